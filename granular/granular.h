@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Everything a user of granular needs. Programs with Bullet include bullet_bridge/bullet_bridge.h instead.
+#pragma once
+
+#include "granular/base/pose.h"
+#include "granular/contact/material.h"
+#include "granular/dynamics/integrator.h"
+#include "granular/geometry/covering.h"
+#include "granular/system/granular_system.h"

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+// The system: grains and covered bodies in, step(), report out. Knows nothing of Bullet.
+//
+//   granular::GranularSystem sand({.gravity = {0, -9.81, 0}});
+//   auto stone = sand.addMaterial({.name = "stone"});
+//   auto tetra = sand.addGrainShape(granular::tetrahedronShape(0.005));
+//   sand.addGrain({.shape = tetra, .material = stone, .pose = {.position = {0, 0.1, 0}}});
+//   granular::StepReport report = sand.step(1.0 / 60.0);
+//
+// Set-up calls throw std::invalid_argument naming field, value, range and unit. step() never throws.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "granular/base/pose.h"
+#include "granular/contact/material.h"
+#include "granular/dynamics/integrator.h"
+#include "granular/geometry/covering.h"
+#include "granular/system/grain_shape.h"
+#include "granular/system/step_report.h"
+
+namespace granular {
+
+/// Names a grain. The generation tells a removed grain from one that took its place.
+struct GrainId {
+  std::int32_t index = -1;
+  std::uint32_t generation = 0;
+  friend bool operator==(GrainId, GrainId) = default;
+};
+
+/// Names a covered body.
+struct BodyId {
+  std::int32_t index = -1;
+  std::uint32_t generation = 0;
+  friend bool operator==(BodyId, BodyId) = default;
+};
+
+struct SystemDef {
+  Vector3 gravity = {0.0, -9.81, 0.0};  ///< m/s^2
+  IntegratorDef integrator;
+  int threads = 1;  ///< > 0; results are the same bits for every number
+};
+
+/// Which things meet: two owners are paired only if each one's group is in the other's mask (as in Bullet).
+struct ContactFilter {
+  std::uint32_t group = 1u;
+  std::uint32_t mask = 0xffffffffu;
+};
+
+struct GrainDef {
+  GrainShapeId shape;
+  MaterialId material;
+  Pose pose;                                     ///< of the frame the shape's GrainShapeDef was drawn in
+  Vector3 velocity = Vector3::Zero();            ///< of the centre of mass, m/s, world
+  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
+  double scale = 1.0;                            ///< all lengths of the shape times this, > 0
+  ContactFilter filter;
+};
+
+enum class BodyMotion : std::uint8_t {
+  Static,     ///< never moves unless the host says so between steps; feels nothing
+  Kinematic,  ///< moves with the velocity the host gives, feels nothing; its work is counted
+  Dynamic,    ///< integrated together with the grains
+};
+
+/// A rigid body whose surface carries particles. Body frame: origin at the centre of mass, principal axes of inertia.
+struct BodyDef {
+  BodyMotion motion = BodyMotion::Static;
+  Covering covering;                             ///< at least one particle
+  MaterialId material;
+  double mass = 0.0;                             ///< kg; > 0 for dynamic bodies, ignored for others
+  Vector3 principalInertia = Vector3::Zero();    ///< kg m^2; > 0 for dynamic bodies
+  Pose pose;
+  Vector3 velocity = Vector3::Zero();            ///< m/s, world; dynamic and kinematic
+  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
+  Vector3 linearFactor = Vector3::Ones();        ///< multiplies the acceleration, world axes; 0 locks an axis
+  Vector3 angularFactor = Vector3::Ones();       ///< multiplies the torque, world axes
+  ContactFilter filter;
+};
+
+/// Where a grain's or body's own frame (centre of mass, principal axes) is and how it moves.
+struct RigidMotion {
+  Pose pose;                                     ///< of the principal frame, world
+  Vector3 velocity = Vector3::Zero();            ///< m/s, world
+  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
+};
+
+/// Force and torque, world frame, torque about the owner's centre of mass.
+struct Wrench {
+  Vector3 force = Vector3::Zero();               ///< N
+  Vector3 torque = Vector3::Zero();              ///< N m
+};
+
+enum class OwnerKind : std::uint8_t { Grain, Body };
+
+/// One round particle as it stands now: for drawing and for files.
+struct ParticleView {
+  Vector3 position = Vector3::Zero();            ///< m, world
+  double radius = 0.0;                           ///< m
+  OwnerKind ownerKind = OwnerKind::Grain;
+  std::int32_t ownerIndex = -1;                  ///< GrainId::index or BodyId::index
+};
+
+/// One contact as it stands now: for force chains and for files.
+struct ContactView {
+  OwnerKind ownerKind[2] = {OwnerKind::Grain, OwnerKind::Grain};
+  std::int32_t ownerIndex[2] = {-1, -1};
+  std::int32_t particle[2] = {-1, -1};           ///< local index within the owner
+  Vector3 point = Vector3::Zero();               ///< m, world
+  Vector3 force = Vector3::Zero();               ///< N, on the first owner, world
+  double overlap = 0.0;                          ///< m
+};
+
+class GranularSystem {
+ public:
+  explicit GranularSystem(const SystemDef& def = {});
+  ~GranularSystem();
+  GranularSystem(GranularSystem&&) noexcept;
+  GranularSystem& operator=(GranularSystem&&) noexcept;
+
+  // ---- set-up
+  MaterialId addMaterial(const MaterialDef& def);
+  /// Overrides the pair rule for two materials (or one with itself). Holds from the next step on.
+  void setMaterialPair(MaterialId a, MaterialId b, const MaterialPairDef& def);
+  GrainShapeId addGrainShape(const GrainShapeDef& def);
+
+  GrainId addGrain(const GrainDef& def);
+  void removeGrain(GrainId id);
+  BodyId addBody(const BodyDef& def);
+  void removeBody(BodyId id);
+  /// Two bodies whose particles shall not meet (jointed bodies, pairs that the host's own solver handles).
+  void setBodyPairContact(BodyId a, BodyId b, bool enabled);
+
+  void setGravity(const Vector3& gravity);
+  const Vector3& gravity() const;
+  /// Holds for the steps to come.
+  void setIntegrator(const IntegratorDef& def);
+  const IntegratorDef& integrator() const;
+  int threads() const;
+
+  // ---- stepping
+  /// Advances everything by dt seconds in as many sub-steps as accuracy needs. Never throws: see StepReport::flags.
+  StepReport step(double dt);
+  double time() const;  ///< s simulated so far
+
+  // ---- bodies: the host's side
+  /// Moves a body: a teleport for dynamic ones, pose at the start of the next step for kinematic ones.
+  void setBodyMotion(BodyId id, const RigidMotion& motion);
+  RigidMotion bodyMotion(BodyId id) const;
+  /// External force and torque on a dynamic body, held constant until changed. Gravity comes on top.
+  void setBodyLoad(BodyId id, const Wrench& load);
+  /// Acceleration of gravity for this body alone, m/s^2 (Bullet allows one per body); default: the system's.
+  void setBodyGravity(BodyId id, const Vector3& gravity);
+  void setBodyMass(BodyId id, double mass, const Vector3& principalInertia);
+  void setBodyFactors(BodyId id, const Vector3& linearFactor, const Vector3& angularFactor);
+  /// Impulse and angular impulse (about the body's centre at each moment) that contacts gave this dynamic or
+  /// kinematic body during the last step, N s and N m s.
+  Wrench contactImpulse(BodyId id) const;
+  /// Contact force and torque on any body, static ones too, in the present state.
+  Wrench contactWrench(BodyId id) const;
+  BodyMotion bodyMotionType(BodyId id) const;
+
+  // ---- grains: reading (spans stay valid until the next call that adds or steps)
+  std::int32_t grainCount() const;                 ///< living grains
+  std::int32_t bodyCount() const;                  ///< living bodies
+  std::int64_t particleCount() const;              ///< particles on living grains and bodies
+  std::span<const RigidMotion> grainMotions() const;  ///< by GrainId::index; read isAlive() where grains are removed
+  bool isAlive(GrainId id) const;
+  GrainId grainAt(std::int32_t index) const;       ///< id of the grain in that place; generation 0 if none lives there
+  void setGrainMotion(GrainId id, const RigidMotion& motion);
+  const GrainShape& grainShape(GrainShapeId id) const;
+  GrainShapeId shapeOf(GrainId id) const;
+  MaterialId materialOf(GrainId id) const;
+  double scaleOf(GrainId id) const;
+  double massOf(GrainId id) const;                 ///< kg
+  const MaterialDef& material(MaterialId id) const;
+  const Covering& covering(BodyId id) const;
+
+  /// Every particle of every living owner; grains first, then bodies, by index. Order is stable.
+  void readParticles(std::vector<ParticleView>& particles) const;
+  /// Every contact of the present state, ordered by owner and particle.
+  void readContacts(std::vector<ContactView>& contacts);
+  /// Energies, momentum, contacts of the present state, without stepping.
+  StepReport measure();
+
+  /// Creep speed m g / kt that law 18 implies for one particle of this material resting on one contact of its own
+  /// kind (Bell 2005, eq. 18), m/s, for a grain of the given mass, kg, and particle radius, m.
+  double creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace granular
