@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+// A scene as plain data: what a scene file says, after its scale has been applied and every value checked.
+// demos/scenes/README.md documents the file; members carry the names of its keys. SI units.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "demos/render/camera.h"
+#include "demos/render/render_scene.h"
+#include "granular/base/pose.h"
+#include "granular/contact/material.h"
+#include "granular/dynamics/integrator.h"
+#include "granular/system/fill.h"
+#include "granular/system/grain_shape.h"
+
+namespace granular_demo {
+
+using granular::Box;
+using granular::Pose;
+using granular::Quaternion;
+using granular::Vector3;
+
+/// Overrides the rule for where two materials touch.
+struct PairDef {
+  std::string materials[2];
+  granular::MaterialPairDef law;
+};
+
+/// How grains and coverings are coloured in pictures.
+enum class Coloring {
+  sand,   ///< each grain its own tint of quartz
+  owner,  ///< each grain its own hue
+  speed,  ///< from dark (at rest) to bright (GrainLook::fastest)
+  fixed,  ///< GrainLook::color
+};
+
+struct GrainLook {
+  Coloring coloring = Coloring::sand;
+  Color color = Color(0.76f, 0.66f, 0.48f);
+  double fastest = 2.0;  ///< m/s shown brightest
+};
+
+/// Many grains of one shape in one region.
+struct FillPart {
+  std::string name;
+  granular::FillRegion region;
+  std::string shape;
+  std::string material;
+  granular::FillDef fill;
+  Vector3 velocity = Vector3::Zero();
+  Vector3 spin = Vector3::Zero();
+  GrainLook look;
+};
+
+/// One grain placed by hand.
+struct GrainPart {
+  std::string name;
+  std::string shape;
+  std::string material;
+  Pose pose;
+  Vector3 velocity = Vector3::Zero();
+  Vector3 spin = Vector3::Zero();
+  double scale = 1.0;
+  GrainLook look;
+};
+
+// ---- shapes of bodies: long axes along y, as Bullet has them
+struct MeshShape {
+  std::filesystem::path file;
+  double scale = 1.0;
+  std::optional<double> boundingSize;  ///< diagonal of the bounding box, m; comes instead of scale
+};
+struct BoxShape {
+  Vector3 size = Vector3::Zero();
+};
+struct SphereShape {
+  double radius = 0.0;
+};
+struct CapsuleShape {
+  double radius = 0.0;
+  double height = 0.0;  ///< of the cylinder between the two half spheres
+};
+struct CylinderShape {
+  double radius = 0.0;
+  double height = 0.0;
+};
+struct ConeShape {
+  double radius = 0.0;
+  double height = 0.0;  ///< origin halfway up
+};
+/// Flat rectangle facing +y; for bodies that do not move.
+struct PlanePatchShape {
+  double sizeX = 0.0;
+  double sizeZ = 0.0;
+};
+struct ShapeChild;
+struct CompoundShape {
+  std::vector<ShapeChild> children;
+};
+using BodyShapeDef = std::variant<MeshShape, BoxShape, SphereShape, CapsuleShape, CylinderShape, ConeShape,
+                                  PlanePatchShape, CompoundShape>;
+struct ShapeChild {
+  BodyShapeDef shape;
+  Pose pose;
+};
+
+enum class BodyKind { fixed, kinematic, dynamic };
+
+/// One layer of particles on a body.
+struct LayerDef {
+  double particleRadius = 0.0;
+  double density = 1.0;  ///< D: sum of discs over area (Bell 2005, sec. 3.3)
+  double offset = 0.0;   ///< m, outwards: of the particles' centres from the surface
+};
+
+struct CoveringPart {
+  LayerDef layer;
+  std::optional<LayerDef> roughness;  ///< a second layer of smaller particles
+  std::uint64_t seed = 1;
+};
+
+/// How a body looks.
+struct BodyLook {
+  Surface surface;
+  bool visible = true;
+  bool showParticles = false;  ///< the covering is drawn too
+  Color particleColor = Color(0.55f, 0.52f, 0.48f);
+};
+
+/// How a kinematic body moves from where it was placed: the sum of what is given.
+struct ScriptDef {
+  struct Point {
+    double time = 0.0;
+    Vector3 offset = Vector3::Zero();
+  };
+  struct Shake {
+    Vector3 amplitude = Vector3::Zero();
+    double frequency = 0.0;  ///< Hz
+    double phase = 0.0;      ///< rad
+    double from = 0.0;       ///< s
+    double to = 0.0;         ///< s
+  };
+  struct Turn {
+    Vector3 axis = Vector3::UnitY();
+    double rate = 0.0;  ///< rad/s
+    double from = 0.0;  ///< s
+    double to = 0.0;    ///< s
+  };
+  std::vector<Point> path;  ///< straight between points, at rest before the first and after the last
+  std::optional<Shake> shake;
+  std::optional<Turn> turn;
+};
+
+struct BodyPart {
+  std::string name;
+  BodyShapeDef shape;
+  BodyKind motion = BodyKind::fixed;
+  std::optional<double> mass;     ///< kg; dynamic bodies have this or the density
+  std::optional<double> density;  ///< kg/m^3
+  std::string material;
+  std::optional<CoveringPart> covering;  ///< none: Bullet alone moves it, and grains do not see it
+  Pose pose;
+  Vector3 velocity = Vector3::Zero();
+  Vector3 spin = Vector3::Zero();
+  std::string script;  ///< name of a ScriptDef; empty: none
+  bool replaceableByMesh = false;
+  BodyLook look;
+};
+
+/// Beyond `box` a grain counts as escaped. In a closed scene that is a failure.
+struct ContainerDef {
+  Box box;
+  bool closed = false;
+};
+
+struct CameraPart {
+  std::string name;
+  Camera camera;
+};
+
+struct SceneLook {
+  std::optional<Ground> ground;
+  Sky sky;
+  Sun sun;
+  double ballRoughness = 0.65;  ///< of grains' surfaces
+};
+
+enum class Quality { preview, normal, best };
+
+struct OutputsDef {
+  bool pictures = true;
+  bool film = true;
+  int width = 640;
+  int height = 360;
+  Quality quality = Quality::preview;
+  bool vtp = false;
+  int vtpEvery = 1;                           ///< frames
+  std::vector<std::string> trajectoryBodies;  ///< names of bodies
+  std::vector<std::string> trajectoryGrains;  ///< names of grains placed by hand
+};
+
+struct SceneDef {
+  std::filesystem::path file;
+  std::string name;
+  std::string description;
+  std::string scale;  ///< the one that was applied
+  Vector3 gravity = {0.0, -9.81, 0.0};
+  double duration = 1.0;    ///< s
+  double frameRate = 30.0;  ///< frames per second
+  int ticksPerFrame = 4;    ///< Bullet steps a frame
+  std::uint64_t seed = 1;
+  granular::IntegratorDef integrator;
+  std::vector<granular::MaterialDef> materials;
+  std::vector<PairDef> pairs;
+  std::vector<granular::GrainShapeDef> shapes;
+  std::vector<FillPart> fills;
+  std::vector<GrainPart> grains;
+  std::map<std::string, ScriptDef> scripts;
+  std::vector<BodyPart> bodies;
+  std::optional<ContainerDef> container;
+  std::optional<double>
+      groundHeight;  ///< m, along -gravity through the origin: no particle centre may be below
+  std::vector<CameraPart> cameras;
+  SceneLook look;
+  OutputsDef outputs;
+
+  double frameDuration() const { return 1.0 / frameRate; }
+  int frameCount() const;
+};
+
+}  // namespace granular_demo
