@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Grains and covered bodies' particles through Bullet's own debug drawer.
+#pragma once
+
+#include "bullet_bridge/precision.h"
+#include "granular/system/granular_system.h"
+
+class btIDebugDraw;
+
+namespace bullet_bridge {
+inline namespace BULLET_BRIDGE_PRECISION {
+
+/// Draws at most `limit` particles, evenly chosen: up to 500 as spheres, more as crosses of their size (a
+/// sphere costs the drawer some hundred lines, a cross three).
+void drawParticles(btIDebugDraw& drawer, const granular::GranularSystem& system, int limit);
+
+}  // namespace BULLET_BRIDGE_PRECISION
+}  // namespace bullet_bridge

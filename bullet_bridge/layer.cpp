@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: MIT
+// Who is covered, with what particles and materials, and which pairs of covered bodies meet.
+#include "bullet_bridge/layer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "bullet_bridge/convert.h"
+#include "granular/base/require.h"
+#include "granular/geometry/cover.h"
+#include "granular/system/fill.h"
+
+namespace bullet_bridge {
+inline namespace BULLET_BRIDGE_PRECISION {
+namespace detail {
+namespace {
+
+using granular::Vector3;
+
+/// Lowest restitution between bodies: the dashpot of a fully plastic impact is infinite.
+constexpr double kLeastRestitution = 0.1;
+/// Discs on a body's surface when neither the user nor any grain says how large its particles are.
+constexpr double kDefaultDiscs = 500.0;
+
+granular::SystemDef systemDef(const btDiscreteDynamicsWorld& world, const LayerDef& def) {
+  granular::requirePositive(def.kinematicSpeedLimit, "LayerDef.kinematicSpeedLimit", "m/s");
+  granular::require(def.drawnParticleLimit >= 0, "LayerDef.drawnParticleLimit", def.drawnParticleLimit, "",
+                    ">= 0");
+  return {.gravity = fromBullet(world.getGravity()), .integrator = def.integrator, .threads = def.threads};
+}
+
+granular::BodyMotion motionOf(const btRigidBody& body) {
+  if (body.isKinematicObject()) return granular::BodyMotion::Kinematic;
+  if (body.isStaticObject() || body.getInvMass() == btScalar(0)) return granular::BodyMotion::Static;
+  return granular::BodyMotion::Dynamic;
+}
+
+double leastExtent(const std::vector<granular::TriangleMesh>& parts) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& part : parts) least = std::min(least, granular::boundingBox(part).size().minCoeff());
+  return least;
+}
+
+double boundingRadiusOf(const granular::Covering& covering) {
+  double radius = 0.0;
+  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    radius = std::max(radius, covering.positions[i].norm() + covering.radii[i]);
+  }
+  return radius;
+}
+
+granular::GrainShapeDef pileShape(const PileDef& def) {
+  switch (def.shape) {
+    case PileShape::Sphere:
+      return granular::sphereShape(def.particleRadius);
+    case PileShape::Cube:
+      return granular::cubeShape(def.particleRadius);
+    case PileShape::Tetrahedron:
+      break;
+  }
+  return granular::tetrahedronShape(def.particleRadius);
+}
+
+/// Particles already in the world that reach into a box.
+std::vector<granular::ShapeParticle> particlesIn(const granular::Box& box,
+                                                 const granular::GranularSystem& system) {
+  std::vector<granular::ParticleView> all;
+  system.readParticles(all);
+  std::vector<granular::ShapeParticle> inside;
+  for (const granular::ParticleView& p : all) {
+    const Vector3 nearest = p.position.cwiseMax(box.lower).cwiseMin(box.upper);
+    if ((nearest - p.position).norm() < p.radius)
+      inside.push_back({.position = p.position, .radius = p.radius});
+  }
+  return inside;
+}
+
+template <class Act>
+void forEachGrain(const granular::GranularSystem& system, Act act) {
+  const auto slots = static_cast<std::int32_t>(system.grainMotions().size());
+  for (std::int32_t i = 0; i < slots; ++i) {
+    const granular::GrainId id = system.grainAt(i);
+    if (id.generation != 0) act(id);
+  }
+}
+
+/// Radius of the smallest particle of any grain; infinite without grains.
+double smallestGrainParticle(const granular::GranularSystem& system) {
+  double smallest = std::numeric_limits<double>::infinity();
+  forEachGrain(system, [&](granular::GrainId id) {
+    for (const auto& p : system.grainShape(system.shapeOf(id)).particles) {
+      smallest = std::min(smallest, p.radius * system.scaleOf(id));
+    }
+  });
+  return smallest;
+}
+
+}  // namespace
+
+Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def)
+    : world_(world), def_(def), system_(systemDef(world, def)) {}
+
+// ---- grains
+
+granular::MaterialId Layer::pileMaterial() {
+  if (!pileMaterial_) pileMaterial_ = system_.addMaterial({});
+  return *pileMaterial_;
+}
+
+std::vector<granular::GrainId> Layer::addPile(const PileDef& def) {
+  granular::requirePositive(def.particleRadius, "PileDef.particleRadius", "m");
+  granular::requireFinite(def.region.lower, "PileDef.region.lower", "m");
+  granular::requireFinite(def.region.upper, "PileDef.region.upper", "m");
+  granular::require((def.region.size().array() > 0.0).all(), "PileDef.region.size()",
+                    def.region.size().transpose(), "m", "> 0 in all components");
+  const granular::GrainShapeDef shapeDef = pileShape(def);
+  const auto placed = granular::fillRegion(granular::boxRegion(def.region), shapeDef,
+                                           {.seed = def.seed, .obstacles = particlesIn(def.region, system_)});
+  const granular::GrainShapeId shape = system_.addGrainShape(shapeDef);
+  const granular::MaterialId material = def.material ? *def.material : pileMaterial();
+  std::vector<granular::GrainId> grains;
+  for (const granular::PlacedGrain& grain : placed) {
+    grains.push_back(system_.addGrain({.shape = shape,
+                                       .material = material,
+                                       .pose = grain.pose,
+                                       .scale = grain.scale,
+                                       .filter = def.filter}));
+  }
+  return grains;
+}
+
+double Layer::largestGrainRadius() const {
+  double largest = 0.0;
+  forEachGrain(system_, [&](granular::GrainId id) {
+    largest = std::max(largest, system_.grainShape(system_.shapeOf(id)).boundingRadius * system_.scaleOf(id));
+  });
+  return largest;
+}
+
+// ---- covering
+
+void Layer::checkCoverable(const btRigidBody& body) const {
+  if (isCovered(body))
+    throw std::invalid_argument("coverBody: the body is covered already; uncover it first");
+  const auto& objects = world_.getCollisionObjectArray();
+  const int index = body.getWorldArrayIndex();
+  if (index < 0 || index >= objects.size() || objects[index] != &body) {
+    throw std::invalid_argument("coverBody: the body is not in this world; call addRigidBody first");
+  }
+  if (!isFinite(stateOf(body))) {
+    throw std::invalid_argument("coverBody: the body's transform or velocity is not finite");
+  }
+  if (!body.isStaticOrKinematicObject()) {
+    granular::require(body.getInvMass() > 0, "coverBody: the body's inverse mass", body.getInvMass(), "1/kg",
+                      "> 0 for a dynamic body");
+    const Vector3 inverse = fromBullet(body.getInvInertiaDiagLocal());
+    granular::require((inverse.array() > 0.0).all() || inverse.isZero(0.0),
+                      "coverBody: the body's inverse inertia", inverse.transpose(), "1/(kg m^2)",
+                      "> 0 in all components, or 0 in all for a body that does not turn");
+  }
+}
+
+double Layer::defaultParticleRadius(const std::vector<granular::TriangleMesh>& parts) const {
+  const double fromGrains = smallestGrainParticle(system_);
+  if (std::isfinite(fromGrains)) return fromGrains;
+  double area = 0.0;
+  for (const auto& part : parts) area += granular::surfaceArea(part);
+  return std::min(std::sqrt(area / (kDefaultDiscs * std::numbers::pi)), 0.25 * leastExtent(parts));
+}
+
+granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyDef& def) const {
+  if (def.covering) return *def.covering;
+  granular::requireNotNegative(def.particleRadius, "CoverBodyDef.particleRadius", "m");
+  const std::vector<granular::TriangleMesh> parts =
+      def.surface ? std::vector{*def.surface} : shapeParts(*body.getCollisionShape(), def.shapeSurface);
+  granular::CoverDef cover;
+  cover.offset = def.offset;
+  cover.density = def.density;
+  cover.seed = def.seed;
+  cover.particleRadius = def.particleRadius > 0.0 ? def.particleRadius : defaultParticleRadius(parts);
+  const double grain = smallestGrainParticle(system_);
+  if (std::isfinite(grain)) cover.smallestGrainRadius = grain;
+  cover.threads = system_.threads();
+  granular::Covering covering;
+  for (const granular::TriangleMesh& part : parts)
+    granular::append(covering, granular::coverMesh(part, cover));
+  return covering;
+}
+
+granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
+  checkCoverable(body);
+  CoveredBody covered;
+  covered.body = &body;
+  covered.followsBodyMaterial = !def.material;
+  if (def.material) covered.make.material = *def.material;
+  granular::Covering covering = makeCovering(body, def);
+  covered.boundingRadius = boundingRadiusOf(covering);
+  covered.make = makeOf(covered);
+  covered.written = stateOf(body);
+  covered.frameEnd = fromBullet(body.getWorldTransform());
+  addToSystem(covered, std::move(covering),
+              {.pose = covered.frameEnd,
+               .velocity = fromBullet(body.getLinearVelocity()),
+               .angularVelocity = fromBullet(body.getAngularVelocity())});
+  noteFilteredPairs(body);
+  slots_[&body] = bodies_.size();
+  bodies_.push_back(covered);
+  return covered.id;
+}
+
+void Layer::uncover(btRigidBody& body) {
+  const std::size_t slot = static_cast<std::size_t>(&slotOf(body) - bodies_.data());
+  system_.removeBody(bodies_[slot].id);
+  for (std::set<Pair>* pairs : {&bulletOwned_, &filteredOut_, &excluded_}) forgetPairsOf(body, *pairs);
+  bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(slot));
+  slots_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) slots_[bodies_[i].body] = i;
+  wakeAll_ = true;
+}
+
+granular::BodyId Layer::idOf(const btRigidBody& body) const {
+  const CoveredBody* covered = find(&body);
+  if (!covered) throw std::invalid_argument("bodyIdOf: the body is not covered");
+  return covered->id;
+}
+
+CoveredBody& Layer::slotOf(const btRigidBody& body) {
+  const auto found = slots_.find(&body);
+  if (found == slots_.end()) throw std::invalid_argument("uncoverBody: the body is not covered");
+  return bodies_[found->second];
+}
+
+const CoveredBody* Layer::find(const btCollisionObject* object) const {
+  const auto found = slots_.find(object);
+  return found == slots_.end() ? nullptr : &bodies_[found->second];
+}
+
+/// One core material for each pair of friction and restitution seen, paired with all others by Bullet's
+/// product rule.
+granular::MaterialId Layer::bodyMaterial(const btRigidBody& body) {
+  const btScalar friction = std::max(body.getFriction(), btScalar(0));
+  const btScalar restitution = std::clamp(body.getRestitution(), btScalar(0), btScalar(1));
+  for (const BodyMaterial& known : bodyMaterials_) {
+    if (known.friction == friction && known.restitution == restitution) return known.id;
+  }
+  const granular::MaterialId id =
+      system_.addMaterial({.name = "body with friction " + std::to_string(friction) + " and restitution " +
+                                   std::to_string(restitution),
+                           .restitution = std::max(kLeastRestitution, double(restitution)),
+                           .friction = friction});
+  bodyMaterials_.push_back({.friction = friction, .restitution = restitution, .id = id});
+  for (const BodyMaterial& other : bodyMaterials_) {
+    granular::MaterialPairDef pair;
+    pair.restitution = std::max(kLeastRestitution, double(restitution) * double(other.restitution));
+    pair.friction = double(friction) * double(other.friction);
+    system_.setMaterialPair(id, other.id, pair);
+  }
+  return id;
+}
+
+BodyMake Layer::makeOf(const CoveredBody& covered) {
+  const btRigidBody& body = *covered.body;
+  const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
+  BodyMake make{.motion = motionOf(body), .material = covered.make.material};
+  if (body.hasContactResponse()) {
+    make.group = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
+    make.mask = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
+  }
+  if (covered.followsBodyMaterial) make.material = bodyMaterial(body);
+  return make;
+}
+
+void Layer::addToSystem(CoveredBody& covered, granular::Covering covering,
+                        const granular::RigidMotion& motion) {
+  granular::BodyDef def;
+  def.motion = covered.make.motion;
+  def.covering = std::move(covering);
+  def.material = covered.make.material;
+  def.pose = motion.pose;
+  def.filter = {.group = covered.make.group, .mask = covered.make.mask};
+  if (def.motion == granular::BodyMotion::Dynamic) {
+    def.velocity = motion.velocity;
+    def.angularVelocity = motion.angularVelocity;
+    covered.settings = settingsOf(*covered.body, false);
+    def.mass = covered.settings.mass;
+    def.principalInertia = covered.settings.principalInertia;
+    def.linearFactor = covered.settings.linearFactor;
+    def.angularFactor = covered.settings.angularFactor;
+  }
+  covered.id = system_.addBody(def);
+}
+
+void Layer::remakeIfChanged(CoveredBody& covered) {
+  const BodyMake make = makeOf(covered);
+  if (make == covered.make) return;
+  granular::Covering covering = system_.covering(covered.id);
+  const granular::RigidMotion motion = system_.bodyMotion(covered.id);
+  system_.removeBody(covered.id);
+  forgetPairsOf(*covered.body, excluded_);
+  covered.make = make;
+  covered.frameTimeLeft = 0.0;
+  addToSystem(covered, std::move(covering), motion);
+  wakeAll_ = true;
+}
+
+// ---- pairs
+
+Layer::Pair Layer::makePair(const btRigidBody& a, const btRigidBody& b) {
+  return std::less<>{}(&a, &b) ? Pair{&a, &b} : Pair{&b, &a};
+}
+
+void Layer::forgetPairsOf(const btRigidBody& body, std::set<Pair>& pairs) {
+  std::erase_if(pairs, [&](const Pair& pair) { return pair.first == &body || pair.second == &body; });
+}
+
+void Layer::setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner) {
+  if (!isCovered(a) || !isCovered(b) || &a == &b) {
+    throw std::invalid_argument("setPairOwner: both bodies must be covered, and not be the same");
+  }
+  if (owner == PairOwner::Bullet) {
+    bulletOwned_.insert(makePair(a, b));
+  } else {
+    bulletOwned_.erase(makePair(a, b));
+  }
+}
+
+/// The program's overlap filter is asked once per pair, as Bullet does: when the pair could first come into
+/// being.
+void Layer::noteFilteredPairs(const btRigidBody& body) {
+  btOverlappingPairCache& cache = *world_.getPairCache();
+  if (!cache.getOverlapFilterCallback()) return;
+  auto* proxy = const_cast<btBroadphaseProxy*>(body.getBroadphaseProxy());
+  for (const CoveredBody& other : bodies_) {
+    if (!cache.needsBroadphaseCollision(other.body->getBroadphaseProxy(), proxy)) {
+      filteredOut_.insert(makePair(body, *other.body));
+    }
+  }
+}
+
+/// Pairs of covered bodies that must not meet in the core: Bullet's own, filtered ones, linked bodies and
+/// ignore lists, and among pairs that Bullet sees near each other whatever an overridden check or dispatcher
+/// says no to.
+std::set<Layer::Pair> Layer::wantedExclusions() const {
+  std::set<Pair> pairs = bulletOwned_;
+  pairs.insert(filteredOut_.begin(), filteredOut_.end());
+  if (bodies_.size() < 2) return pairs;
+  for (const CoveredBody& covered : bodies_) {
+    for (int i = 0; i < covered.body->getNumObjectsWithoutCollision(); ++i) {
+      const CoveredBody* other = find(covered.body->getObjectWithoutCollision(i));
+      if (other) pairs.insert(makePair(*covered.body, *other->body));
+    }
+  }
+  const btBroadphasePairArray& near = world_.getPairCache()->getOverlappingPairArray();
+  for (int i = 0; i < near.size(); ++i) {
+    const CoveredBody* a = find(static_cast<btCollisionObject*>(near[i].m_pProxy0->m_clientObject));
+    const CoveredBody* b =
+        a ? find(static_cast<btCollisionObject*>(near[i].m_pProxy1->m_clientObject)) : nullptr;
+    if (!b || (a->body->isStaticOrKinematicObject() && b->body->isStaticOrKinematicObject())) continue;
+    const bool meet = a->body->checkCollideWith(b->body) && b->body->checkCollideWith(a->body) &&
+                      world_.getDispatcher()->needsResponse(a->body, b->body);
+    if (!meet) pairs.insert(makePair(*a->body, *b->body));
+  }
+  return pairs;
+}
+
+void Layer::updateExclusions() {
+  std::set<Pair> wanted = wantedExclusions();
+  if (wanted == excluded_) return;
+  for (const Pair& pair : excluded_) {
+    if (!wanted.contains(pair)) system_.setBodyPairContact(idOf(*pair.first), idOf(*pair.second), true);
+  }
+  for (const Pair& pair : wanted) {
+    if (!excluded_.contains(pair)) system_.setBodyPairContact(idOf(*pair.first), idOf(*pair.second), false);
+  }
+  excluded_ = std::move(wanted);
+}
+
+/// Bullet keeps finding the contacts of pairs the particles own, for the program's eyes; only its solver must
+/// not see them. Predictive contacts are manifolds as well.
+void Layer::silenceOwnPairs() {
+  if (bodies_.size() < 2) return;
+  btDispatcher& dispatcher = *world_.getDispatcher();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+    if (manifold->getNumContacts() == 0) continue;
+    const CoveredBody* a = find(manifold->getBody0());
+    const CoveredBody* b = a ? find(manifold->getBody1()) : nullptr;
+    if (!b || bulletOwned_.contains(makePair(*a->body, *b->body))) continue;
+    silenced_.emplace_back(manifold, manifold->getNumContacts());
+    manifold->setNumContacts(0);
+  }
+}
+
+void Layer::unsilenceOwnPairs() {
+  for (const auto& [manifold, contacts] : silenced_) manifold->setNumContacts(contacts);
+  silenced_.clear();
+}
+
+}  // namespace detail
+}  // namespace BULLET_BRIDGE_PRECISION
+}  // namespace bullet_bridge

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// What stands between a Bullet world and a GranularSystem: which bodies are covered, what of their state was
+// last written, and the stages of a tick in the order the world calls them. Knows any btDiscreteDynamicsWorld
+// from outside; the world's door decides when each stage runs.
+//
+// The scheme ("mean velocity"): the core carries covered bodies from (x0, v0) to (x1, v1) together with the
+// grains. Bullet's solver is shown the mean velocity (x1 - x0) / dt, so joints and foreign contacts correct
+// the motion the body really makes; what they change, dv, is added at the end: x = x1 + dv dt, v = v1 + dv. A
+// body they do not touch has dv = 0 and lands on (x1, v1) exactly.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "bullet_bridge/granular_dynamics_world.h"
+
+namespace bullet_bridge {
+inline namespace BULLET_BRIDGE_PRECISION {
+namespace detail {
+
+/// What Bullet holds of a body's motion.
+struct BulletState {
+  btTransform transform;
+  btVector3 velocity;
+  btVector3 angularVelocity;
+};
+
+/// What a core body is made from besides its motion; a change of it makes a new core body.
+struct BodyMake {
+  granular::BodyMotion motion = granular::BodyMotion::Static;
+  std::uint32_t group = 0;
+  std::uint32_t mask = 0;
+  granular::MaterialId material = {};
+  friend bool operator==(const BodyMake&, const BodyMake&) = default;
+};
+
+/// Settings of a dynamic body that may change at any time.
+struct BodySettings {
+  double mass = 0.0;
+  granular::Vector3 principalInertia = granular::Vector3::Zero();
+  granular::Vector3 linearFactor = granular::Vector3::Zero();
+  granular::Vector3 angularFactor = granular::Vector3::Zero();
+  friend bool operator==(const BodySettings&, const BodySettings&) = default;
+};
+
+struct CoveredBody {
+  btRigidBody* body = nullptr;
+  granular::BodyId id;
+  BodyMake make;
+  BodySettings settings;
+  bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
+  double boundingRadius = 0.0;       ///< of the covering about the body's origin, m
+
+  BulletState written;           ///< as last agreed with Bullet: a difference is the program's doing
+  bool hasGravityForce = false;  ///< Bullet's total force holds gravity in this stepSimulation
+
+  // Kinematic: the pose runs from where it was to frameEnd while frameTimeLeft counts down.
+  granular::Pose frameEnd;
+  granular::Vector3 frameVelocity = granular::Vector3::Zero();
+  granular::Vector3 frameAngularVelocity = granular::Vector3::Zero();
+  double frameTimeLeft = 0.0;
+
+  // Dynamic, within one tick.
+  bool held = false;  ///< asleep: stands still in the core
+  btVector3 velocityBeforeDamping;
+  btVector3 angularVelocityBeforeDamping;
+  btScalar sweepThreshold = 0;  ///< the program's continuous-collision threshold
+  int flags = 0;                ///< the program's btRigidBodyFlags
+  granular::Pose startPose;     ///< x0
+  granular::Vector3 meanAngularVelocity = granular::Vector3::Zero();
+  BulletState offered;         ///< before the solver
+  btVector3 expectedVelocity;  ///< after the solver if nothing touches the body
+  btVector3 expectedAngularVelocity;
+  granular::Vector3 velocityCorrection = granular::Vector3::Zero();
+  granular::Vector3 angularVelocityCorrection = granular::Vector3::Zero();
+  granular::Pose push;  ///< the solver's position correction (split impulse): a shift and a turn
+};
+
+bool isFinite(const BulletState& state);
+BulletState stateOf(const btRigidBody& body);
+/// Mass, inertia and factors as they stand; a held body has no freedom at all, a body without inertia does
+/// not turn.
+BodySettings settingsOf(const btRigidBody& body, bool held);
+
+class Layer {
+ public:
+  Layer(btDiscreteDynamicsWorld& world, const LayerDef& def);
+
+  granular::GranularSystem& system() { return system_; }
+  const granular::GranularSystem& system() const { return system_; }
+  const granular::StepReport& report() const { return report_; }
+  int drawnParticleLimit() const { return def_.drawnParticleLimit; }
+  /// Nothing covered and no grains: the world runs as plain Bullet.
+  bool isIdle() const { return bodies_.empty() && system_.grainCount() == 0; }
+
+  std::vector<granular::GrainId> addPile(const PileDef& def);
+  granular::BodyId cover(btRigidBody& body, const CoverBodyDef& def);
+  void uncover(btRigidBody& body);
+  bool isCovered(const btRigidBody& body) const { return slots_.contains(&body); }
+  granular::BodyId idOf(const btRigidBody& body) const;
+  void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
+
+  // ---- stages of a stepSimulation
+  void beginFrame();
+  void beginKinematicFrame(btScalar frameTime);
+  void noteGravity();
+  // ---- stages of a tick, in this order
+  void takeChanges(btScalar dt);
+  void keepAwake(btScalar dt);
+  void takeDamping();
+  void switchSweepsOff();
+  void step(btScalar dt);
+  void offerMeanMotion(btScalar dt);
+  void silenceOwnPairs();
+  void unsilenceOwnPairs();
+  void takeCorrections();
+  void switchSweepsOn();
+  void store(btScalar dt);
+
+ private:
+  using Pair = std::pair<const btRigidBody*, const btRigidBody*>;  // smaller address first
+
+  struct BodyMaterial {
+    btScalar friction = 0;
+    btScalar restitution = 0;
+    granular::MaterialId id;
+  };
+
+  static Pair makePair(const btRigidBody& a, const btRigidBody& b);
+  CoveredBody& slotOf(const btRigidBody& body);
+  const CoveredBody* find(const btCollisionObject* object) const;
+
+  void checkCoverable(const btRigidBody& body) const;
+  granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
+  double defaultParticleRadius(const std::vector<granular::TriangleMesh>& parts) const;
+  granular::MaterialId bodyMaterial(const btRigidBody& body);
+  granular::MaterialId pileMaterial();
+  BodyMake makeOf(const CoveredBody& covered);
+  void addToSystem(CoveredBody& covered, granular::Covering covering, const granular::RigidMotion& motion);
+  void remakeIfChanged(CoveredBody& covered);
+  void forgetPairsOf(const btRigidBody& body, std::set<Pair>& pairs);
+  void noteFilteredPairs(const btRigidBody& body);
+  std::set<Pair> wantedExclusions() const;
+  void updateExclusions();
+
+  void takeStaticPose(CoveredBody& covered);
+  void takeKinematicPose(CoveredBody& covered, double dt);
+  void runKinematicTo(CoveredBody& covered, const granular::Pose& end, double duration);
+  void takeDynamicState(CoveredBody& covered);
+  void prepareDynamic(CoveredBody& covered);
+  void applyLoad(CoveredBody& covered);
+  granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;
+  void write(CoveredBody& covered, const granular::RigidMotion& motion);
+  void wake(CoveredBody& covered);
+  bool isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const;
+  bool isNearMovingBody(const CoveredBody& covered, double dt) const;
+  double largestGrainRadius() const;
+  void accumulate(const granular::StepReport& tick);
+
+  btDiscreteDynamicsWorld& world_;
+  LayerDef def_;
+  granular::GranularSystem system_;
+  granular::StepReport report_;
+  std::vector<CoveredBody> bodies_;
+  std::unordered_map<const btCollisionObject*, std::size_t> slots_;
+  std::vector<BodyMaterial> bodyMaterials_;
+  std::optional<granular::MaterialId> pileMaterial_;
+  std::set<Pair> bulletOwned_;  // by setPairOwner
+  std::set<Pair> filteredOut_;  // by the program's overlap filter, asked when a body is covered
+  std::set<Pair> excluded_;     // as the core knows it now
+  std::vector<std::pair<btPersistentManifold*, int>> silenced_;
+  bool wakeAll_ = false;  // something that may have held a body up has gone
+};
+
+}  // namespace detail
+}  // namespace BULLET_BRIDGE_PRECISION
+}  // namespace bullet_bridge
