@@ -34,6 +34,6 @@ Eigen::Vector2d projectToPixel(const Camera& camera, int width, int height, cons
 Camera frameBox(const granular::Box& box, double aspect,
                 const granular::Vector3& viewDirection = granular::Vector3(-0.35, -0.38, -1.0),
                 const granular::Vector3& up = granular::Vector3::UnitY(),
-                double verticalFieldOfViewDegrees = 30.0, double margin = 1.12);
+                double verticalFieldOfViewDegrees = 30.0, double margin = 1.04);
 
 }  // namespace granular_demo

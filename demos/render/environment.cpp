@@ -102,7 +102,7 @@ float Environment::groundHaze(const Vector3f& position) const {
 Color Environment::groundColor(const Vector3f& position, float footprint) const {
   const float u = position.dot(across_) + textureOrigin_.x();
   const float v = position.dot(along_) + textureOrigin_.y();
-  Color color = groundColor_ * (1.0f + 0.13f * texture(u, v, footprint));
+  Color color = groundColor_ * (1.0f + 0.11f * texture(u, v, footprint));
   if (gridSpacing_ > 0.0f) {
     const float lines = std::max(gridCover(u, footprint), gridCover(v, footprint));
     color *= 1.0f - 0.45f * lines;
@@ -111,13 +111,13 @@ Color Environment::groundColor(const Vector3f& position, float footprint) const 
 }
 
 float Environment::texture(float u, float v, float footprint) const {
-  float sum = 0.0f, amplitude = 0.5f, length = textureLength_;
+  float sum = 0.0f, amplitude = 0.3f, length = textureLength_;
   for (int octave = 0; octave < 7; ++octave) {
     // An octave whose waves a pixel cannot show is faded out before it would shimmer.
     const float visible = 1.0f - smoothstep(0.25f, 0.6f, footprint / length);
     if (visible <= 0.0f) break;
     sum += amplitude * visible * valueNoise(u / length + 17.3f * static_cast<float>(octave), v / length);
-    amplitude *= 0.68f;
+    amplitude *= 0.8f;
     length *= 0.43f;
   }
   return sum;

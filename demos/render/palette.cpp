@@ -33,11 +33,11 @@ Color sandColor(std::uint64_t grain) {
     double share;  // of all grains; the shares add up to 1
   };
   static const std::array<Mineral, 5> minerals = {
-      {{Color(0.86f, 0.75f, 0.57f), 0.46},    // stained quartz
-       {Color(0.91f, 0.85f, 0.74f), 0.20},    // clear quartz
-       {Color(0.78f, 0.61f, 0.42f), 0.20},    // iron-stained feldspar
-       {Color(0.62f, 0.47f, 0.34f), 0.10},    // rock fragments
-       {Color(0.43f, 0.38f, 0.34f), 0.04}}};  // dark minerals
+      {{Color(0.83f, 0.71f, 0.53f), 0.50},    // stained quartz
+       {Color(0.88f, 0.80f, 0.66f), 0.22},    // clear quartz
+       {Color(0.76f, 0.61f, 0.44f), 0.18},    // iron-stained feldspar
+       {Color(0.63f, 0.50f, 0.38f), 0.08},    // rock fragments
+       {Color(0.44f, 0.39f, 0.35f), 0.02}}};  // dark minerals
   granular::Random random = granular::Random(0x5a4d).forItem(grain);
   double pick = random.uniform();
   std::size_t kind = 0;

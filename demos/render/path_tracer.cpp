@@ -18,6 +18,9 @@ constexpr float kDeepLight = 0.38f;
 // Below this roughness a reflection is traced, above it the reflected sky is taken as the mean one.
 constexpr float kMirrorRoughness = 0.4f;
 
+// Reflections seen straight from the camera are not smoothed afterwards, so they get more rays.
+constexpr std::uint32_t kMirrorRays = 3;
+
 // Dimensions of the sample sequence; each mirror image takes the next block.
 enum Dimension : std::uint32_t {
   kSun = kPixelDimension + 1,
@@ -104,7 +107,7 @@ void PathTracer::crossGlass(const Hit& hit, Path& path, LightSample& light) cons
   const Color mirrorShare = path.throughput * reflectance;
   if ((hit.entering || !solid) && luminance(mirrorShare) > 0.004f) {
     const Vector3f out = reflect(in, hit.normal);
-    light.rest += mirrorShare * mirrored(leave(hit, out).origin, out, path.depth, path.index);
+    light.rest += mirrorShare * mirrored(leave(hit, out), path.depth, path.index);
   }
   path.throughput *= 1.0f - reflectance;
   if (!solid) {
@@ -135,17 +138,26 @@ void PathTracer::shade(const Hit& hit, const Path& arriving, LightSample& light)
   light.depth = path.way;
   light.ambientReflectance = path.throughput * albedo;
   if (material.roughness < kMirrorRoughness || material.metallic > 0.5f) {
-    const Vector3f facet =
-        sampleGgxNormal(hit.normal, material.alpha, samplePair(path.index, dimension(kMirror, path.depth)));
-    Vector3f out = reflect(path.ray.direction, facet);
-    if (out.dot(hit.normal) <= 0.0f) out = reflect(path.ray.direction, hit.normal);
-    light.rest +=
-        path.throughput * mirrorShare * mirrored(leave(hit, out).origin, out, path.depth, path.index);
+    light.rest += path.throughput * mirrorShare * glossyReflection(hit, path);
   } else {
     light.ambientReflectance += path.throughput * mirrorShare;
   }
   addAmbient(hit, path, light);
   addSun(hit, path, albedo, f0, light);
+}
+
+Color PathTracer::glossyReflection(const Hit& hit, const Path& path) const {
+  const auto rays = path.depth == 0 ? kMirrorRays : 1u;
+  Color sum = Color::Zero();
+  for (std::uint32_t k = 0; k < rays; ++k) {
+    const std::uint32_t index = path.index * rays + k;
+    const Vector3f facet =
+        sampleGgxNormal(hit.normal, hit.material.alpha, samplePair(index, dimension(kMirror, path.depth)));
+    Vector3f out = reflect(path.ray.direction, facet);
+    if (out.dot(hit.normal) <= 0.0f) out = reflect(path.ray.direction, hit.normal);
+    sum += mirrored(leave(hit, out), path.depth, index);
+  }
+  return sum / static_cast<float>(rays);
 }
 
 void PathTracer::addAmbient(const Hit& hit, const Path& path, LightSample& light) const {
@@ -188,10 +200,9 @@ Color PathTracer::bouncedLight(const Ray& ray, std::uint32_t sunDimension, std::
   return hit.color * arriving * scene_.glassTransmittance(ray, hit.distance);
 }
 
-Color PathTracer::mirrored(const Vector3f& from, const Vector3f& direction, int depth,
-                           std::uint32_t index) const {
-  if (depth >= settings_.reflectionDepth) return environment_.openSkyAverage(direction);
-  return follow({from, direction}, depth + 1, index).radiance();
+Color PathTracer::mirrored(const Ray& ray, int depth, std::uint32_t index) const {
+  if (depth >= settings_.reflectionDepth) return environment_.openSkyAverage(ray.direction);
+  return follow(ray, depth + 1, index).radiance();
 }
 
 }  // namespace granular_demo

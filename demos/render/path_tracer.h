@@ -52,7 +52,8 @@ class PathTracer {
   void addSun(const Hit& hit, const Path& path, const Color& albedo, const Color& f0,
               LightSample& light) const;
   Color bouncedLight(const Ray& ray, std::uint32_t dimension, std::uint32_t index) const;
-  Color mirrored(const Vector3f& from, const Vector3f& direction, int depth, std::uint32_t index) const;
+  Color glossyReflection(const Hit& hit, const Path& path) const;
+  Color mirrored(const Ray& ray, int depth, std::uint32_t index) const;
 
   const RayScene& scene_;
   const Environment& environment_;

@@ -149,7 +149,7 @@ RenderSettings quickSettings(int width, int height) {
 RenderSettings fineSettings(int width, int height) {
   return {.width = width,
           .height = height,
-          .samplesPerPixel = 32,
+          .samplesPerPixel = 16,
           .ambientRays = 2,
           .reflectionDepth = 4,
           .denoisePasses = 1};

@@ -61,15 +61,15 @@ struct Ground {
 
 /// Light from above, even around the horizon.
 struct Sky {
-  Color zenith = Color(0.47f, 0.60f, 0.78f);   ///< sRGB
+  Color zenith = Color(0.50f, 0.62f, 0.77f);   ///< sRGB
   Color horizon = Color(0.88f, 0.90f, 0.92f);  ///< sRGB
 };
 
 /// A distant round lamp.
 struct Sun {
-  Vector3 towards = Vector3(0.45, 0.75, 0.5);  ///< direction to the sun, any length > 0
-  Color color = Color(1.0f, 0.95f, 0.88f);     ///< sRGB
-  double irradiance = 4.6;            ///< on a face turned to it; a white wall under it is this / pi bright
+  Vector3 towards = Vector3(-0.65, 0.62, 0.2);  ///< direction to the sun, any length > 0
+  Color color = Color(1.0f, 0.95f, 0.88f);      ///< sRGB
+  double irradiance = 4.8;            ///< on a face turned to it; a white wall under it is this / pi bright
   double angularRadiusDegrees = 1.6;  ///< the real one has 0.27; wider makes softer shadows
 };
 
