@@ -14,7 +14,8 @@ namespace granular {
 
 /// Throws std::invalid_argument "<field> is <value> <unit>; it must be <allowed>" unless `ok`.
 template <class Value>
-void require(bool ok, std::string_view field, const Value& value, std::string_view unit, std::string_view allowed) {
+void require(bool ok, std::string_view field, const Value& value, std::string_view unit,
+             std::string_view allowed) {
   if (ok) return;
   std::ostringstream text;
   text << field << " is " << value;
@@ -37,7 +38,8 @@ inline void requireFinite(const Vector3& value, std::string_view field, std::str
 
 /// A unit quaternion within 1e-6; the caller normalises the rest away.
 inline void requireRotation(const Quaternion& value, std::string_view field) {
-  require(std::abs(value.norm() - 1.0) < 1e-6, field, value.coeffs().transpose(), "(x y z w)", "a unit quaternion");
+  require(std::abs(value.norm() - 1.0) < 1e-6, field, value.coeffs().transpose(), "(x y z w)",
+          "a unit quaternion");
 }
 
 }  // namespace granular

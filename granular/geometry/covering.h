@@ -9,8 +9,8 @@
 namespace granular {
 
 struct Covering {
-  std::vector<Vector3> positions;  ///< centre of particle i, body frame (origin: centre of mass), m
-  std::vector<double> radii;       ///< radius of particle i, m; same length
+  std::vector<Vector3> positions = {};  ///< centre of particle i, body frame (origin: centre of mass), m
+  std::vector<double> radii = {};       ///< radius of particle i, m; same length
 };
 
 }  // namespace granular

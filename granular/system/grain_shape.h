@@ -26,7 +26,7 @@ struct ShapeParticle {
 /// particles overlap.
 struct GrainShapeDef {
   std::string name = "grain";
-  std::vector<ShapeParticle> particles;  ///< at least one
+  std::vector<ShapeParticle> particles = {};  ///< at least one
 };
 
 GrainShapeDef sphereShape(double particleRadius);
@@ -35,7 +35,8 @@ GrainShapeDef tetrahedronShape(double particleRadius);
 /// Eight touching particles at the corners of a cube.
 GrainShapeDef cubeShape(double particleRadius);
 
-/// A grain shape in its principal frame: origin at the centre of mass, axes along the principal axes of inertia.
+/// A grain shape in its principal frame: origin at the centre of mass, axes along the principal axes of
+/// inertia.
 struct GrainShape {
   std::string name;
   std::vector<ShapeParticle> particles;   ///< principal frame

@@ -19,6 +19,7 @@
 #include "granular/base/pose.h"
 #include "granular/contact/material.h"
 #include "granular/dynamics/integrator.h"
+#include "granular/dynamics/rigid_motion.h"
 #include "granular/geometry/covering.h"
 #include "granular/system/grain_shape.h"
 #include "granular/system/step_report.h"
@@ -41,7 +42,7 @@ struct BodyId {
 
 struct SystemDef {
   Vector3 gravity = {0.0, -9.81, 0.0};  ///< m/s^2
-  IntegratorDef integrator;
+  IntegratorDef integrator = {};
   int threads = 1;  ///< > 0; results are the same bits for every number
 };
 
@@ -52,13 +53,13 @@ struct ContactFilter {
 };
 
 struct GrainDef {
-  GrainShapeId shape;
-  MaterialId material;
-  Pose pose;                                     ///< of the frame the shape's GrainShapeDef was drawn in
-  Vector3 velocity = Vector3::Zero();            ///< of the centre of mass, m/s, world
-  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
-  double scale = 1.0;                            ///< all lengths of the shape times this, > 0
-  ContactFilter filter;
+  GrainShapeId shape = {};
+  MaterialId material = {};
+  Pose pose = {};                             ///< of the frame the shape's GrainShapeDef was drawn in
+  Vector3 velocity = Vector3::Zero();         ///< of the centre of mass, m/s, world
+  Vector3 angularVelocity = Vector3::Zero();  ///< rad/s, world
+  double scale = 1.0;                         ///< all lengths of the shape times this, > 0
+  ContactFilter filter = {};
 };
 
 enum class BodyMotion : std::uint8_t {
@@ -67,52 +68,40 @@ enum class BodyMotion : std::uint8_t {
   Dynamic,    ///< integrated together with the grains
 };
 
-/// A rigid body whose surface carries particles. Body frame: origin at the centre of mass, principal axes of inertia.
+/// A rigid body whose surface carries particles. Body frame: origin at the centre of mass, principal axes of
+/// inertia.
 struct BodyDef {
   BodyMotion motion = BodyMotion::Static;
-  Covering covering;                             ///< at least one particle
-  MaterialId material;
-  double mass = 0.0;                             ///< kg; > 0 for dynamic bodies, ignored for others
-  Vector3 principalInertia = Vector3::Zero();    ///< kg m^2; > 0 for dynamic bodies
-  Pose pose;
-  Vector3 velocity = Vector3::Zero();            ///< m/s, world; dynamic and kinematic
-  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
-  Vector3 linearFactor = Vector3::Ones();        ///< multiplies the acceleration, world axes; 0 locks an axis
-  Vector3 angularFactor = Vector3::Ones();       ///< multiplies the torque, world axes
-  ContactFilter filter;
-};
-
-/// Where a grain's or body's own frame (centre of mass, principal axes) is and how it moves.
-struct RigidMotion {
-  Pose pose;                                     ///< of the principal frame, world
-  Vector3 velocity = Vector3::Zero();            ///< m/s, world
-  Vector3 angularVelocity = Vector3::Zero();     ///< rad/s, world
-};
-
-/// Force and torque, world frame, torque about the owner's centre of mass.
-struct Wrench {
-  Vector3 force = Vector3::Zero();               ///< N
-  Vector3 torque = Vector3::Zero();              ///< N m
+  Covering covering = {};  ///< at least one particle
+  MaterialId material = {};
+  double mass = 0.0;                           ///< kg; > 0 for dynamic bodies, ignored for others
+  Vector3 principalInertia = Vector3::Zero();  ///< kg m^2; > 0 for dynamic bodies
+  Pose pose = {};
+  Vector3 velocity = Vector3::Zero();         ///< m/s, world; dynamic and kinematic
+  Vector3 angularVelocity = Vector3::Zero();  ///< rad/s, world
+  Vector3 linearFactor = Vector3::Ones();     ///< multiplies the acceleration, world axes; 0 locks an axis
+  Vector3 angularFactor = Vector3::Ones();    ///< multiplies the torque, world axes
+  ContactFilter filter = {};
 };
 
 enum class OwnerKind : std::uint8_t { Grain, Body };
 
 /// One round particle as it stands now: for drawing and for files.
 struct ParticleView {
-  Vector3 position = Vector3::Zero();            ///< m, world
-  double radius = 0.0;                           ///< m
+  Vector3 position = Vector3::Zero();  ///< m, world
+  double radius = 0.0;                 ///< m
   OwnerKind ownerKind = OwnerKind::Grain;
-  std::int32_t ownerIndex = -1;                  ///< GrainId::index or BodyId::index
+  std::int32_t ownerIndex = -1;  ///< GrainId::index or BodyId::index
 };
 
 /// One contact as it stands now: for force chains and for files.
 struct ContactView {
   OwnerKind ownerKind[2] = {OwnerKind::Grain, OwnerKind::Grain};
   std::int32_t ownerIndex[2] = {-1, -1};
-  std::int32_t particle[2] = {-1, -1};           ///< local index within the owner
-  Vector3 point = Vector3::Zero();               ///< m, world
-  Vector3 force = Vector3::Zero();               ///< N, on the first owner, world
-  double overlap = 0.0;                          ///< m
+  std::int32_t particle[2] = {-1, -1};  ///< local index within the owner
+  Vector3 point = Vector3::Zero();      ///< m, world
+  Vector3 force = Vector3::Zero();      ///< N, on the first owner, world
+  double overlap = 0.0;                 ///< m
 };
 
 class GranularSystem {
@@ -143,7 +132,8 @@ class GranularSystem {
   int threads() const;
 
   // ---- stepping
-  /// Advances everything by dt seconds in as many sub-steps as accuracy needs. Never throws: see StepReport::flags.
+  /// Advances everything by dt seconds in as many sub-steps as accuracy needs. Never throws: see
+  /// StepReport::flags.
   StepReport step(double dt);
   double time() const;  ///< s simulated so far
 
@@ -161,22 +151,24 @@ class GranularSystem {
   /// kinematic body during the last step, N s and N m s.
   Wrench contactImpulse(BodyId id) const;
   /// Contact force and torque on any body, static ones too, in the present state.
-  Wrench contactWrench(BodyId id) const;
+  Wrench contactWrench(BodyId id);
   BodyMotion bodyMotionType(BodyId id) const;
 
   // ---- grains: reading (spans stay valid until the next call that adds or steps)
-  std::int32_t grainCount() const;                 ///< living grains
-  std::int32_t bodyCount() const;                  ///< living bodies
-  std::int64_t particleCount() const;              ///< particles on living grains and bodies
-  std::span<const RigidMotion> grainMotions() const;  ///< by GrainId::index; read isAlive() where grains are removed
+  std::int32_t grainCount() const;     ///< living grains
+  std::int32_t bodyCount() const;      ///< living bodies
+  std::int64_t particleCount() const;  ///< particles on living grains and bodies
+  std::span<const RigidMotion> grainMotions()
+      const;  ///< by GrainId::index; read isAlive() where grains are removed
   bool isAlive(GrainId id) const;
-  GrainId grainAt(std::int32_t index) const;       ///< id of the grain in that place; generation 0 if none lives there
+  GrainId grainAt(
+      std::int32_t index) const;  ///< id of the grain in that place; generation 0 if none lives there
   void setGrainMotion(GrainId id, const RigidMotion& motion);
   const GrainShape& grainShape(GrainShapeId id) const;
   GrainShapeId shapeOf(GrainId id) const;
   MaterialId materialOf(GrainId id) const;
   double scaleOf(GrainId id) const;
-  double massOf(GrainId id) const;                 ///< kg
+  double massOf(GrainId id) const;  ///< kg
   const MaterialDef& material(MaterialId id) const;
   const Covering& covering(BodyId id) const;
 
@@ -187,8 +179,8 @@ class GranularSystem {
   /// Energies, momentum, contacts of the present state, without stepping.
   StepReport measure();
 
-  /// Creep speed m g / kt that law 18 implies for one particle of this material resting on one contact of its own
-  /// kind (Bell 2005, eq. 18), m/s, for a grain of the given mass, kg, and particle radius, m.
+  /// Creep speed m g / kt that law 18 implies for one particle of this material resting on one contact of its
+  /// own kind (Bell 2005, eq. 18), m/s, for a grain of the given mass, kg, and particle radius, m.
   double creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const;
 
  private:

@@ -32,7 +32,8 @@ enum class StepFlag : std::uint32_t {
   TrialLimitReached = 1u << 1,       ///< raise IntegratorDef::trialLimit or tolerance
   DeepOverlap = 1u << 2,             ///< overlap beyond the smaller radius: raise MaterialDef::youngsModulus
   GrainsQuarantined = 1u << 3,       ///< a grain's state was not finite: it was taken out of the scene
-  BadStep = 1u << 4,                 ///< dt was not finite or not > 0: nothing was done
+  BodiesStopped = 1u << 4,  ///< a body's state was not finite: it stands where the step found it, at rest
+  BadStep = 1u << 5,        ///< dt was not finite or not > 0: nothing was done
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) {
   return static_cast<StepFlag>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -57,28 +58,29 @@ struct StepReport {
   double time = 0.0;  ///< simulated time at the end of the step, s
 
   // Work of the integrator in this step.
-  std::int64_t subSteps = 0;        ///< accepted
+  std::int64_t subSteps = 0;  ///< accepted
   std::int64_t rejectedTrials = 0;
-  std::int64_t evaluations = 0;     ///< computations of all accelerations
-  std::int64_t listRebuilds = 0;    ///< times the candidate list was made anew
-  double shortestSubStep = 0.0;     ///< s, the last one (cut to the step's end) left out unless it is the only one
-  double longestSubStep = 0.0;      ///< s
+  std::int64_t evaluations = 0;   ///< computations of all accelerations
+  std::int64_t listRebuilds = 0;  ///< times the candidate list was made anew
+  double shortestSubStep =
+      0.0;  ///< s, the last one (cut to the step's end) left out unless it is the only one
+  double longestSubStep = 0.0;  ///< s
 
   // The state at the end of the step.
-  std::int64_t candidates = 0;      ///< pairs in the list
-  std::int64_t contacts = 0;        ///< pairs that overlap
-  double largestOverlap = 0.0;      ///< in smaller radii of the pair, worst over every sub-step of this step
-  double meanOverlap = 0.0;         ///< in smaller radii of the pair, at the end of the step
+  std::int64_t candidates = 0;  ///< pairs in the list
+  std::int64_t contacts = 0;    ///< pairs that overlap
+  double largestOverlap = 0.0;  ///< in smaller radii of the pair, worst over every sub-step of this step
+  double meanOverlap = 0.0;     ///< in smaller radii of the pair, at the end of the step
   Energy energy;
   Vector3 momentum = Vector3::Zero();         ///< of grains and dynamic bodies, kg m/s
   Vector3 angularMomentum = Vector3::Zero();  ///< about the world's origin, kg m^2/s
 
   // Running totals since the system was made, J.
-  double workByMovedBodies = 0.0;   ///< done by kinematic bodies on everything else
-  double workByLoads = 0.0;         ///< done by the host's forces and torques on dynamic bodies
-  double dissipated = 0.0;          ///< turned into heat by contact laws
+  double workByMovedBodies = 0.0;  ///< done by kinematic bodies on everything else
+  double workByLoads = 0.0;        ///< done by the host's forces and torques on dynamic bodies
+  double dissipated = 0.0;         ///< turned into heat by contact laws
 
-  std::int64_t quarantined = 0;     ///< grains taken out because their state was not finite, in this step
+  std::int64_t quarantined = 0;  ///< grains taken out because their state was not finite, in this step
 
   std::array<double, kStageCount> stageSeconds{};  ///< wall time, s
 };

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Which damping gives the restitution a user asks for. One impact of the law  x'' + D x^alpha x' + x^beta = 0
+// in units of its own length and time, with the force clamped at no attraction (dry grains), is integrated;
+// e(D) is then inverted. Asking by the paper's unclamped formulas would miss by up to a third (shared by
+// every law of eqs. 6-12).
+#pragma once
+
+namespace granular {
+
+/// Restitution of a head-on impact at dimensionless damping D >= 0, in (0, 1].
+double restitutionOfDamping(double alpha, double beta, double D);
+
+/// The D that gives restitution e in [0.01, 1].
+double dampingForRestitution(double alpha, double beta, double e);
+
+/// Damping constant kd of eqs. 6-7 from D, for beta = 3/2: kd = D m (kr/m)^(2/5 (alpha+1)) v^((1 - 4
+/// alpha)/5). mass = m_eff, kg; v = the speed at which the restitution shall hold, m/s.
+double hertzDampingConstant(double alpha, double D, double kr, double mass, double v);
+
+}  // namespace granular

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Pairs of particles that may touch before anything has moved half a skin (Verlet's neighbour list over the
+// spatial hash of Bell 2005, sec. 3.2). Kept and reused until then.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "granular/base/parallel.h"
+#include "granular/search/spatial_hash.h"
+
+namespace granular {
+
+/// A particle as search and contact test read it: one row of 32 bytes.
+struct ParticleRow {
+  double x, y, z;  ///< m, world
+  double radius;   ///< m
+};
+static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows to a load of 64 bytes");
+
+/// Which owners meet at all. Owners are numbered: dynamic ones first, then kinematic, then static.
+struct MeetingRules {
+  std::vector<std::uint32_t> group, mask;    ///< by owner; empty: everything meets
+  std::vector<std::uint64_t> excludedPairs;  ///< sorted, smaller owner in the high half
+
+  static std::uint64_t pairKey(std::int32_t a, std::int32_t b);
+  bool mayMeet(std::int32_t a, std::int32_t b) const;
+};
+
+/// What the list is built from. Slots [0, dynamicCount) belong to dynamic owners; rank is a particle's place
+/// in the stable order of owners and local indices, which no re-sorting changes.
+struct SearchInput {
+  std::span<const ParticleRow> particles;  ///< [slot]
+  std::span<const std::int32_t> owner;     ///< [slot]
+  std::span<const std::int32_t> rank;      ///< [slot]
+  std::span<const std::int32_t> slotOfRank;
+  std::int32_t dynamicCount = 0;
+  const MeetingRules* rules = nullptr;
+};
+
+class CandidateList {
+ public:
+  /// Throws everything away: other particles, or other sizes. largestRadius and skin in m, > 0.
+  void reset(std::int32_t particleCount, double largestRadius, double skin);
+
+  /// Pairs closer than the sum of radii plus skin, never two of one owner, never without a dynamic one.
+  /// Particle 1 of a pair is the one of lower rank; a row's partners are ordered by rank.
+  void rebuild(const SearchInput& input, const Executor& executor);
+
+  double skin() const { return skin_; }
+  std::int64_t size() const { return static_cast<std::int64_t>(partner_.size()); }
+  /// Candidates of dynamic slot i: [rowStart()[i], rowStart()[i + 1]).
+  std::span<const std::int32_t> rowStart() const { return rowStart_; }
+  std::span<const std::int32_t> partner() const { return partner_; }  ///< slot of particle 2, by candidate
+  const SpatialHash& hash() const { return hash_; }
+
+ private:
+  struct Piece {  // what one range of voxels found, on any thread
+    std::vector<std::int32_t> slots, counts, partners;
+    std::vector<ParticleRow> nearRows;
+    std::vector<std::int32_t> nearSlots;
+  };
+
+  void placeInHash(const SearchInput& input);
+  void searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const;
+  void joinRows(const SearchInput& input, const Executor& executor);
+
+  double largestRadius_ = 0.0;
+  double skin_ = 0.0;
+  SpatialHash hash_;
+  std::vector<Piece> pieces_;
+  std::vector<std::int32_t> rowStart_, partner_;
+};
+
+/// Which candidates act on which patch (a patch is a grain, or some neighbouring particles of a body), in an
+/// order that depends on ranks alone. Summing along it gives the same bits for any thread count and any list
+/// history.
+class CandidateIncidence {
+ public:
+  /// patchOfSlot: -1 for particles whose wrench nobody asks for.
+  void rebuild(const CandidateList& list, const SearchInput& input, std::span<const std::int32_t> patchOfSlot,
+               std::int32_t patchCount);
+
+  /// Entries 2 * candidate + side; side 0: the patch owns particle 1.
+  std::span<const std::int32_t> of(std::int32_t patch) const {
+    return std::span(entries_).subspan(start_[patch], start_[patch + 1] - start_[patch]);
+  }
+
+ private:
+  std::vector<std::int32_t> start_, cursor_, entries_;
+};
+
+}  // namespace granular

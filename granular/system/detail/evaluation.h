@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// One evaluation: from a state to the rate of the state (Bell 2005, secs. 2 and 3), as a list of stages. A
+// pure function of the state: what it keeps between calls (hash, candidate list, buffers) may change its
+// speed only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "granular/base/parallel.h"
+#include "granular/contact/pair_law.h"
+#include "granular/search/candidate_list.h"
+#include "granular/system/detail/layout.h"
+#include "granular/system/step_report.h"
+
+namespace granular::detail {
+
+/// Things outside the state that move or push: constant during a step.
+struct Surroundings {
+  Vector3 gravity = Vector3::Zero();
+  std::vector<Vector3> bodyGravity;    ///< [dynamic body]
+  std::vector<Wrench> bodyLoad;        ///< [dynamic body]
+  std::vector<RigidMotion> kinematic;  ///< [kinematic body], at time 0 of the step
+  std::vector<RigidMotion> fixed;      ///< [static body]
+};
+
+/// An overlapping pair found by findContacts.
+struct Contact {
+  std::int32_t slot1, slot2;
+  std::int32_t candidate;
+};
+
+/// What a contact does: one cache line.
+struct ContactForce {
+  Vector3 force;       ///< on the owner of particle 1, N, world
+  Vector3 point;       ///< where it acts, m, world
+  double dissipation;  ///< power turned into heat, W, >= 0
+  double overlap;      ///< m
+};
+static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
+
+/// Wrench about the owner's centre and heat, of a patch or an owner.
+struct PatchWrench {
+  Vector3 force = Vector3::Zero();
+  Vector3 torque = Vector3::Zero();
+  double dissipation = 0.0;
+};
+
+/// Pose and motion of an owner, as contacts read it.
+struct OwnerRow {
+  Vector3 center, velocity, angularVelocity;
+  std::array<double, 3> padding;
+};
+static_assert(sizeof(OwnerRow) == 96);
+
+/// What step control wants to know of an evaluation.
+struct EvaluationSummary {
+  std::int64_t contacts = 0;
+  double largestOverlap = 0.0;  ///< in smaller radii of the pair
+  double urgency = 0.0;         ///< largest PairLaw::urgency; 0 without contacts
+  double largestSpeed = 0.0;    ///< of any point of any moving owner, at most, m/s
+};
+
+class Evaluation {
+ public:
+  explicit Evaluation(int threads) : executor_(threads) {}
+
+  /// Takes a new layout. Everything kept is thrown away.
+  void reset(const std::vector<MaterialPair>& materialPairs, const std::vector<MaterialDef>& materials);
+  /// Static bodies stand elsewhere than before.
+  void placeFixed();
+
+  Layout& layout() { return layout_; }
+  const Layout& layout() const { return layout_; }
+  Surroundings& surroundings() { return surroundings_; }
+  const Executor& executor() const { return executor_; }
+
+  std::size_t stateSize() const {
+    return layout_.dynamicCount() * state::kSize + layout_.movingBodies() * state::kTallySize + 1;
+  }
+  std::size_t tallyAt(std::int32_t movingBody) const {
+    return layout_.dynamicCount() * state::kSize + movingBody * state::kTallySize;
+  }
+
+  /// The rate of y at time t of the step.
+  void evaluate(double t, const std::vector<double>& y, std::vector<double>& rate);
+
+  // What the last evaluation found.
+  const EvaluationSummary& summary() const { return summary_; }
+  std::int64_t candidateCount() const { return list_.size(); }
+  const std::vector<ParticleRow>& particles() const { return particles_; }
+  /// body(contact, its force, its law) for every contact, by rank of particle 1, then of particle 2.
+  template <class Body>
+  void forEachContact(Body&& body) const;
+
+  // Counts and wall times since they were last cleared.
+  std::int64_t evaluations = 0;
+  std::int64_t listRebuilds = 0;
+  std::array<double, kStageCount> stageSeconds{};
+
+ private:
+  void placeParticles(double t, const std::vector<double>& y);
+  void updateCandidates();
+  void findContacts();
+  void computeContactForces();
+  void sumWrenches();
+  void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
+
+  void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
+  void sortSlots();
+  void rebuildCandidates();
+  void makePairLaws();
+  const PairLaw& pairLaw(const Contact& contact) const;
+  PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
+  ContactForce contactForce(const Contact& contact, double& urgency) const;
+
+  Layout layout_;
+  Surroundings surroundings_;
+  Executor executor_;
+  std::vector<MaterialPair> materialPairs_;
+  std::vector<MaterialDef> materials_;
+
+  std::vector<OwnerRow> owners_;
+  std::vector<ParticleRow> particles_, listedParticles_;
+  CandidateList list_;
+  CandidateIncidence incidence_;
+  bool listIsCurrent_ = false;
+  std::int64_t rebuildsSinceSort_ = 0;
+  double largestMoveSquared_ = 0.0;
+
+  bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): one law a candidate
+  std::vector<PairLaw> pairLaws_;
+
+  std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
+  std::vector<ContactForce> forces_;
+  std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
+  std::vector<std::int32_t> contactsInPiece_;
+  std::vector<PatchWrench> patchWrenches_;
+  std::vector<double> pieceMaximum_, pieceMaximum2_, pieceSum_;
+  EvaluationSummary summary_;
+};
+
+template <class Body>
+void Evaluation::forEachContact(Body&& body) const {
+  for (std::int32_t rank = 0; rank < layout_.dynamicParticles; ++rank) {
+    const std::int32_t slot = layout_.slotOfRank[rank];
+    for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
+      const std::int32_t n = contactOfCandidate_[c];
+      if (n >= 0) body(contacts_[n], forces_[n], pairLaw(contacts_[n]));
+    }
+  }
+}
+
+}  // namespace granular::detail

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// How grains and bodies are laid out for one evaluation after another. Made anew when something is added,
+// removed or changes its kind; everything here is constant while time goes on, but the slots, which follow
+// the cells.
+//
+// Numbering. Owners: dynamic grains, dynamic bodies, kinematic bodies, static bodies; the first two are in
+// the integrator's state. Rank: a particle's place in the order of owners and local indices; sums run in it.
+// Slot: where its row lies in memory; dynamic owners are kept in cell order. Patch: a grain, or 64
+// neighbouring particles of a moving body: what one wrench is summed for.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "granular/base/pose.h"
+#include "granular/contact/pair_law.h"
+#include "granular/search/candidate_list.h"
+#include "granular/system/granular_system.h"
+
+namespace granular::detail {
+
+struct Owner {
+  OwnerKind kind = OwnerKind::Grain;
+  std::int32_t index = -1;                   ///< GrainId::index or BodyId::index
+  std::span<const ShapeParticle> particles;  ///< principal frame, before scale
+  double scale = 1.0;
+  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
+  Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
+  Vector3 inverseInertia = Vector3::Zero();
+  bool isotropic = false;
+  bool isLocked = false;  ///< some factor is not 1
+  Vector3 linearFactor = Vector3::Ones();
+  Vector3 angularFactor = Vector3::Ones();
+  double reach = 0.0;  ///< farthest particle surface from the centre, m
+  std::int32_t material = -1;
+  ContactFilter filter;
+  std::int32_t firstRank = 0;
+  std::int32_t firstSlot = 0;
+  std::int32_t firstPatch = -1;  ///< -1: static
+  std::int32_t patchCount = 0;
+};
+
+/// A particle as the pair laws tell it apart.
+struct ParticleKind {
+  double radius = 0.0;
+  double inverseMass = 0.0;
+  std::int32_t material = -1;
+};
+
+struct Layout {
+  static constexpr std::int32_t kParticlesPerPatch = 64;
+
+  std::vector<Owner> owners;
+  std::int32_t dynamicGrains = 0, dynamicBodies = 0, kinematicBodies = 0;
+  std::int32_t dynamicCount() const { return dynamicGrains + dynamicBodies; }
+  std::int32_t movingCount() const { return dynamicCount() + kinematicBodies; }
+  std::int32_t movingBodies() const { return dynamicBodies + kinematicBodies; }
+
+  std::int32_t particleCount = 0, dynamicParticles = 0, movingParticles = 0, patchCount = 0;
+  double smallestRadius = 0.0, largestRadius = 0.0;
+
+  // By slot.
+  std::vector<std::int32_t> ownerOfSlot, rankOfSlot, patchOfSlot, kindOfSlot;
+  std::vector<std::int32_t> slotOfRank;
+  std::vector<std::int32_t> ownerOfPatch;
+  std::vector<std::int32_t> slotOrder;  ///< dynamic owners in the order in which their slots lie
+
+  std::vector<ParticleKind> kinds;
+  std::vector<std::int32_t> kindOfRank;
+  MeetingRules rules;
+
+  /// Numbers ranks, patches and kinds of `owners`, which are in their order; slots in the same order.
+  void finish(const std::vector<std::uint64_t>& excludedPairs);
+  /// Puts the slots of dynamic owners into this order, a permutation of [0, dynamicCount()).
+  void assignSlots(std::vector<std::int32_t> order);
+
+ private:
+  void findKinds();
+};
+
+/// Places of one owner's numbers in the integrator's state vector.
+namespace state {
+inline constexpr int kPosition = 0;          ///< 3, m
+inline constexpr int kOrientation = 3;       ///< 4, quaternion w x y z
+inline constexpr int kVelocity = 7;          ///< 3, m/s
+inline constexpr int kAngularMomentum = 10;  ///< 3, kg m^2/s, world
+inline constexpr int kSize = 13;
+// After the owners: for each moving body what contacts did to it, and work; then the heat.
+inline constexpr int kImpulse = 0;         ///< 3, N s
+inline constexpr int kAngularImpulse = 3;  ///< 3, N m s
+inline constexpr int kWork = 6;            ///< by the load on a dynamic body; by the body where kinematic, J
+inline constexpr int kTallySize = 7;
+}  // namespace state
+
+}  // namespace granular::detail
