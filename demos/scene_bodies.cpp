@@ -15,6 +15,9 @@ MeshShape readMeshShape(JsonObject& object, const std::filesystem::path& folder)
   if (!std::filesystem::is_regular_file(shape.file)) file.fail("a mesh file, relative to the scene file");
   shape.boundingSize = object.optionalNumber("boundingSize", Range::positive());
   shape.scale = object.number("scale", Range::positive(), shape.scale);
+  if (object.has("scale") && shape.boundingSize)
+    object.at("scale").fail("none, since \"boundingSize\" is given too");
+  if (object.has("center")) shape.center = object.vector3("center");
   return shape;
 }
 
@@ -72,8 +75,8 @@ BodyShapeDef readShape(const JsonPlace& place, const std::filesystem::path& fold
 LayerDef readLayer(JsonObject& object) {
   LayerDef layer;
   layer.particleRadius = object.number("particleRadius", Range::positive());
-  layer.density = object.number("density", Range::positive(), layer.density);
-  layer.offset = object.number("offset", Range::any(), layer.offset);
+  layer.density = object.optionalNumber("density", Range::positive());
+  layer.offset = object.optionalNumber("offset", Range::any());
   return layer;
 }
 

@@ -75,6 +75,8 @@ struct MeshShape {
   std::filesystem::path file;
   double scale = 1.0;
   std::optional<double> boundingSize;  ///< diagonal of the bounding box, m; comes instead of scale
+  std::optional<Vector3>
+      center;  ///< where the middle of the bounding box is put, m; none: the file's origin stays
 };
 struct BoxShape {
   Vector3 size = Vector3::Zero();
@@ -115,13 +117,14 @@ enum class BodyKind { fixed, kinematic, dynamic };
 /// One layer of particles on a body.
 struct LayerDef {
   double particleRadius = 0.0;
-  double density = 1.0;  ///< D: sum of discs over area (Bell 2005, sec. 3.3)
-  double offset = 0.0;   ///< m, outwards: of the particles' centres from the surface
+  std::optional<double>
+      density;  ///< D, discs over area (Bell 2005, sec. 3.3); none: just enough to leave no hole
+  std::optional<double> offset;  ///< m, outwards, of the particles' centres; none: see CoveringPart
 };
 
 struct CoveringPart {
-  LayerDef layer;
-  std::optional<LayerDef> roughness;  ///< a second layer of smaller particles
+  LayerDef layer;                     ///< default offset: one radius inwards, so that the body keeps its size
+  std::optional<LayerDef> roughness;  ///< a second layer of smaller particles; default offset: on the surface
   std::uint64_t seed = 1;
 };
 

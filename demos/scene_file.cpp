@@ -112,7 +112,7 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
   granular::IntegratorDef def;
   def.stepper = static_cast<granular::Stepper>(object.choice("stepper", stepperNames(), 0));
   def.tolerance = object.number("tolerance", Range::positive(), def.tolerance);
-  def.contactTimeFraction = object.number("contactTimeFraction", {.low = 0.0, .high = 1.0, .openLow = true},
+  def.contactTimeFraction = object.number("contactTimeFraction", {.low = 0.0, .high = 0.3, .openLow = true},
                                           def.contactTimeFraction);
   def.smallestSubStep = object.number("smallestSubStep", Range::positive(), def.smallestSubStep);
   def.trialLimit =
