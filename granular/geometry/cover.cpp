@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: MIT
+#include "granular/geometry/cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include "granular/base/parallel.h"
+#include "granular/base/require.h"
+#include "granular/geometry/detail/point_grid.h"
+#include "granular/geometry/marching_tetrahedra.h"
+#include "granular/geometry/mesh_distance.h"
+#include "granular/geometry/signed_distance_band.h"
+#include "granular/geometry/surface_floaters.h"
+
+namespace granular {
+namespace {
+
+constexpr double kSampleSpacing = 0.3;  // of r: of the samples on which holes are measured
+constexpr double kHoleMargin =
+    0.1;  // of r: holes are filled down to this much below the bound, for what lies between samples
+constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
+constexpr double kThinDepth =
+    0.9;  // of half the thickness: far enough from the middle for a clear direction outwards
+constexpr double kThinCosine =
+    -0.5;  // a part is thin, not just near an edge, where its sides are within 60 deg of parallel
+constexpr double kResolved =
+    0.25;  // of r: where the iso-surface is this near to the true one, it stands for it
+constexpr double kSettled = 1e-9;           // of r: off the offset surface by no more than this
+constexpr double kNotSettled = 1e-3;        // of r: off by more than this, the surface is not there
+constexpr int kLastFills = 4;               // one is enough where the iso-surface is resolved
+constexpr std::int64_t kItemsAPiece = 512;  // of parallel work
+
+/// CoverDef with every default replaced by its number.
+struct Settings {
+  double radius, offset, grainRadius, holeBound, density, spacing;
+};
+
+Settings settle(const CoverDef& def) {
+  requirePositive(def.particleRadius, "CoverDef.particleRadius", "m");
+  requireNotNegative(def.smallestGrainRadius, "CoverDef.smallestGrainRadius", "m");
+  requirePositive(def.convergence, "CoverDef.convergence", "of particleRadius");
+  require(def.maxIterations > 0, "CoverDef.maxIterations", def.maxIterations, "", "> 0");
+  require(def.maxFillRounds >= 0, "CoverDef.maxFillRounds", def.maxFillRounds, "", ">= 0");
+  require(def.threads > 0, "CoverDef.threads", def.threads, "", "> 0");
+  Settings s;
+  s.radius = def.particleRadius;
+  s.offset = def.offset.value_or(-s.radius);
+  require(std::abs(s.offset) <= 1000.0 * s.radius, "CoverDef.offset", s.offset, "m",
+          "at most 1000 particleRadius either way");
+  s.grainRadius = def.smallestGrainRadius > 0.0 ? def.smallestGrainRadius : s.radius;
+  s.holeBound = def.largestHole.value_or(0.5 * s.grainRadius);
+  requirePositive(s.holeBound, "CoverDef.largestHole", "m");
+  const double evenSpacing = std::numbers::sqrt3 * (s.radius + s.holeBound) / kUnevenness;
+  const double hexagonalDensity =
+      2.0 * std::numbers::pi / std::numbers::sqrt3 * s.radius * s.radius;  // D spacing^2
+  s.density = def.density.value_or(hexagonalDensity / (evenSpacing * evenSpacing));
+  requirePositive(s.density, "CoverDef.density", "");
+  s.spacing = std::sqrt(hexagonalDensity / s.density);
+  return s;
+}
+
+void requireAffordable(double area, const Settings& s, std::int64_t maxParticles) {
+  const double expected = std::max(s.density, 1.0) * area / (std::numbers::pi * s.radius * s.radius);
+  if (expected <= static_cast<double>(maxParticles)) return;
+  std::ostringstream text;
+  text << "CoverDef.particleRadius is " << s.radius << " m; a surface of " << area << " m^2 would need about "
+       << expected << " particles, more than CoverDef.maxParticles = " << maxParticles;
+  throw std::invalid_argument(text.str());
+}
+
+struct SurfacePoint {
+  Vector3 point, normal;
+};
+
+/// One point for every `areaEach` of the surface, triangles in their order; within triangles the points
+/// follow the additive recurrence of Roberts (2018), which spreads them far more evenly than random ones.
+std::vector<SurfacePoint> sampleSurface(const TriangleMesh& mesh, double areaEach) {
+  constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;  // 1/g, 1/g^2, g^3 = g + 1
+  std::vector<SurfacePoint> samples;
+  double waiting = 0.5;  // samples due, at the start of the triangle
+  double u = 0.5, v = 0.5;
+  for (const auto& t : mesh.triangles) {
+    const Vector3 areaVector = doubleAreaVector(mesh, t);
+    const double doubleArea = areaVector.norm();
+    if (!(doubleArea > 0.0)) continue;
+    for (waiting += 0.5 * doubleArea / areaEach; waiting >= 1.0; waiting -= 1.0) {
+      u = std::fmod(u + kFirst, 1.0);
+      v = std::fmod(v + kSecond, 1.0);
+      const double a = u + v > 1.0 ? 1.0 - u : u, b = u + v > 1.0 ? 1.0 - v : v;
+      const Vector3& corner = mesh.vertices[t[0]];
+      samples.push_back({corner + a * (mesh.vertices[t[1]] - corner) + b * (mesh.vertices[t[2]] - corner),
+                         areaVector / doubleArea});
+    }
+  }
+  return samples;
+}
+
+/// A place where a particle's centre may be, and the offset of the surface through it.
+struct Spot {
+  Vector3 point;
+  double offset;
+  bool exact;  // found on the mesh itself, not on the iso-surface, which the voxels may resolve badly here
+};
+
+class Coverer {
+ public:
+  Coverer(const TriangleMesh& mesh, const CoverDef& def, const Settings& settings)
+      : mesh_(mesh),
+        def_(def),
+        set_(settings),
+        executor_(def.threads),
+        exact_(mesh),
+        band_(exact_, {.spacing = set_.radius,
+                       .lower = set_.offset - set_.radius,
+                       .upper = set_.offset + set_.radius,
+                       .threads = def.threads}) {}
+
+  Covering run(CoverReport& report) {
+    startFloaters();
+    findSpots();
+    relax(report);
+    measureHoles(set_.radius + fillBound());
+    while (worstHole() > fillBound() && report.fillRounds < def_.maxFillRounds) {
+      report.filledParticles += fillHoles();
+      relax(report);
+      measureHoles(set_.radius + fillBound());
+      ++report.fillRounds;
+    }
+    // What relaxing opens again and again, at edges mostly, is closed by floaters that stay where they are
+    // put.
+    for (int attempt = 0; attempt < kLastFills && worstHole() > fillBound(); ++attempt) {
+      report.filledParticles += fillHoles();
+      putOnSurface();
+      measureHoles(set_.radius + fillBound());
+    }
+    describe(report);
+    return {positions_, std::vector<double>(positions_.size(), set_.radius)};
+  }
+
+ private:
+  void startFloaters() {
+    isoSurface_ = marchingTetrahedra(band_, set_.offset);
+    requireAffordable(surfaceArea(isoSurface_), set_, def_.maxParticles);
+    positions_ = seedFloaters(isoSurface_, set_.radius, set_.density, Random(def_.seed));
+    offsets_.assign(positions_.size(), set_.offset);
+    isExact_.assign(positions_.size(), 0);
+    hints_.assign(positions_.size(), -1);
+  }
+
+  /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) all of the
+  /// mesh.
+  void findSpots() {
+    const double spacing = kSampleSpacing * set_.radius;
+    meshSamples_ = sampleSurface(mesh_, spacing * spacing);
+    std::vector<std::optional<Spot>> found(meshSamples_.size());
+    executor_.forRanges(static_cast<std::int64_t>(found.size()), kItemsAPiece,
+                        [&](std::int64_t begin, std::int64_t end) {
+                          std::int32_t hint = -1;
+                          for (std::int64_t i = begin; i < end; ++i) found[i] = spotAt(meshSamples_[i], hint);
+                        });
+    for (const auto& spot : found) {
+      if (spot && !isOnIsoSurface(*spot)) spots_.push_back(*spot);
+    }
+    for (const SurfacePoint& s : sampleSurface(isoSurface_, spacing * spacing))
+      spots_.push_back({s.point, set_.offset, false});
+    nearest_.resize(spots_.size());
+  }
+
+  /// The iso-surface passes close by and is asked for holes there anyway: the band crosses the offset with a
+  /// clear slope.
+  bool isOnIsoSurface(const Spot& spot) const {
+    const auto at = band_.sample(spot.point);
+    if (!at || spot.offset != set_.offset) return false;
+    const Vector3 outwards = kResolved * set_.radius * at->gradient.normalized();
+    const auto above = band_.sample(spot.point + outwards), below = band_.sample(spot.point - outwards);
+    return above && below && above->value > set_.offset && below->value < set_.offset;
+  }
+
+  /// The spot that belongs to a point of the mesh, if there is one.
+  std::optional<Spot> spotAt(const SurfacePoint& s, std::int32_t& hint) const {
+    return set_.offset < 0.0 ? spotBelow(s, hint) : spotAbove(s, hint);
+  }
+
+  std::optional<Spot> spotAbove(const SurfacePoint& s, std::int32_t& hint) const {
+    const Vector3 center = s.point + set_.offset * s.normal;
+    if (exact_.nearestWithin(center, set_.offset * (1.0 - 1e-6), hint))
+      return std::nullopt;  // in a concave place
+    return Spot{center, set_.offset, true};
+  }
+
+  /// Shrinks a ball that touches the surface in s from within until nothing of the surface is inside it (the
+  /// shrinking ball of Ma, Bae & Choi 2012). At full size its centre is on the offset surface. Smaller, it
+  /// touches twice: where the two sides are nearly parallel the part is thin; otherwise s is near an edge,
+  /// which its surroundings cover.
+  std::optional<Spot> spotBelow(const SurfacePoint& s, std::int32_t& hint) const {
+    double depth = -set_.offset;
+    Vector3 other = s.point;
+    bool isSmaller = false;
+    for (int attempt = 0; attempt < 30; ++attempt) {
+      const auto hit = exact_.nearestWithin(s.point - depth * s.normal, depth * (1.0 - 1e-6), hint);
+      if (!hit) break;
+      hint = hit->triangle;
+      other = hit->point;
+      isSmaller = true;
+      const Vector3 across = s.point - other;
+      const double height = across.dot(s.normal);
+      if (!(height > 0.0)) return std::nullopt;
+      depth = std::min(depth, 0.5 * across.squaredNorm() / height);
+    }
+    if (!isSmaller) return Spot{s.point - depth * s.normal, set_.offset, true};
+    const Vector3 toOther = other - (s.point - depth * s.normal);
+    if (toOther.dot(s.normal) > kThinCosine * toOther.norm()) return std::nullopt;
+    return Spot{s.point - kThinDepth * depth * s.normal, -kThinDepth * depth, true};
+  }
+
+  SurfaceSample exactSurface(std::int32_t i, const Vector3& p) {
+    const NearestPoint near = exact_.nearest(p, hints_[i]);
+    hints_[i] = near.triangle;
+    const bool clear = std::abs(near.signedDistance) > kSettled * set_.radius;
+    return {near.signedDistance - offsets_[i],
+            clear ? Vector3((p - near.point) / near.signedDistance) : near.normal};
+  }
+
+  /// The paper's way: value and normal from the band. Where the band has no clear gradient, the exact ones.
+  SurfaceSample surface(std::int32_t i, const Vector3& p) {
+    if (isExact_[i]) return exactSurface(i, p);
+    const auto s = band_.sample(p);
+    const double slope = s ? s->gradient.norm() : 0.0;
+    if (slope < 0.5) return exactSurface(i, p);
+    return {s->value - offsets_[i], s->gradient / slope};
+  }
+
+  void relax(CoverReport& report) {
+    const FloaterReport floaters =
+        relaxFloaters(positions_, [this](std::int32_t i, const Vector3& p) { return surface(i, p); },
+                      {.spacing = set_.spacing,
+                       .convergence = def_.convergence * set_.radius,
+                       .maxIterations = def_.maxIterations,
+                       .threads = def_.threads});
+    report.iterations += floaters.iterations;
+    report.converged = floaters.converged;
+    putOnSurface();
+  }
+
+  void putOnSurface() {
+    executor_.forRanges(static_cast<std::int64_t>(positions_.size()), kItemsAPiece,
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (std::int64_t i = begin; i < end; ++i)
+                            putOnSurface(static_cast<std::int32_t>(i));
+                        });
+  }
+
+  /// Newton's method on the exact distance. Where the part turns out too thin to hold the offset surface, the
+  /// spot that belongs to the nearest point of the mesh.
+  void putOnSurface(std::int32_t i) {
+    Vector3& p = positions_[i];
+    SurfaceSample s = exactSurface(i, p);
+    for (int step = 0; step < 30 && std::abs(s.value) > kSettled * set_.radius; ++step) {
+      p -= s.value * s.normal;
+      s = exactSurface(i, p);
+    }
+    if (std::abs(s.value) <= kNotSettled * set_.radius) return;
+    const NearestPoint near = exact_.nearest(p, hints_[i]);
+    if (const auto spot = spotAt({near.point, near.normal}, hints_[i])) {
+      p = spot->point;
+      offsets_[i] = spot->offset;
+      isExact_[i] = 1;
+    }
+  }
+
+  /// Distance from each spot to the nearest floater; no more than that it is below `enough` where it is.
+  void measureHoles(double enough) {
+    const detail::PointGrid grid(positions_, set_.spacing);
+    executor_.forRanges(static_cast<std::int64_t>(spots_.size()), kItemsAPiece,
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (std::int64_t i = begin; i < end; ++i) {
+                            const Vector3& p = spots_[i].point;
+                            nearest_[i] = grid.hasPointNearer(p, enough)
+                                              ? enough
+                                              : grid.nearestDistance(p, kFarthestHole * set_.radius);
+                          }
+                        });
+  }
+
+  double worstHole() const {
+    return nearest_.empty() ? 0.0 : *std::max_element(nearest_.begin(), nearest_.end()) - set_.radius;
+  }
+
+  double fillBound() const {
+    return std::max(0.5 * set_.holeBound, set_.holeBound - kHoleMargin * set_.radius);
+  }
+
+  /// A floater in every hole beyond the bound, the largest first; a spot next to a new floater is no hole any
+  /// more.
+  std::int64_t fillHoles() {
+    const double reach = set_.radius + fillBound();
+    std::vector<std::int32_t> holes;
+    for (std::size_t i = 0; i < spots_.size(); ++i) {
+      if (nearest_[i] > reach) holes.push_back(static_cast<std::int32_t>(i));
+    }
+    std::stable_sort(holes.begin(), holes.end(),
+                     [&](std::int32_t a, std::int32_t b) { return nearest_[a] > nearest_[b]; });
+    std::vector<Vector3> points;
+    for (std::int32_t h : holes) points.push_back(spots_[h].point);
+    const detail::PointGrid grid(points, reach);
+    std::vector<char> isFilled(holes.size(), 0);
+    const std::size_t before = positions_.size();
+    for (std::size_t h = 0; h < holes.size(); ++h) {
+      if (isFilled[h]) continue;
+      addFloater(spots_[holes[h]]);
+      grid.forEachNear(points[h], reach, [&](std::int32_t other, const Vector3& q) {
+        if ((q - points[h]).norm() < reach) isFilled[other] = 1;
+      });
+    }
+    return static_cast<std::int64_t>(positions_.size() - before);
+  }
+
+  void addFloater(const Spot& spot) {
+    positions_.push_back(spot.point);
+    offsets_.push_back(spot.offset);
+    isExact_.push_back(spot.exact);
+    hints_.push_back(-1);
+  }
+
+  void describe(CoverReport& report) {
+    measureHoles(0.0);
+    report.particleCount = static_cast<std::int64_t>(positions_.size());
+    report.particleRadius = set_.radius;
+    report.smallestGrainRadius = set_.grainRadius;
+    report.density = set_.density;
+    report.largestHole = worstHole();
+    report.holeBound = set_.holeBound;
+    report.holesClosed = report.largestHole <= report.holeBound;
+    report.thinParticles =
+        std::count_if(offsets_.begin(), offsets_.end(), [&](double o) { return o != set_.offset; });
+    const detail::PointGrid grid(positions_, set_.spacing);
+    describeSpacing(grid, report);
+    describeEnvelope(grid, report);
+  }
+
+  void describeSpacing(const detail::PointGrid& grid, CoverReport& report) const {
+    if (positions_.size() < 2) return;
+    std::vector<double> spacing(positions_.size());
+    for (std::size_t i = 0; i < spacing.size(); ++i) {
+      spacing[i] =
+          grid.nearestDistance(positions_[i], kFarthestHole * set_.radius, static_cast<std::int32_t>(i));
+    }
+    std::sort(spacing.begin(), spacing.end());
+    report.spacingMin = spacing.front();
+    report.spacingMedian = spacing[spacing.size() / 2];
+    report.spacingMax = spacing.back();
+  }
+
+  void describeEnvelope(const detail::PointGrid& grid, CoverReport& report) const {
+    double sum = 0.0;
+    for (const SurfacePoint& s : meshSamples_) {
+      const double farthest = kFarthestHole * set_.radius + std::abs(set_.offset);
+      const double gap = std::abs(grid.nearestDistance(s.point, farthest) - set_.radius);
+      sum += gap;
+      report.envelopeMax = std::max(report.envelopeMax, gap);
+    }
+    if (!meshSamples_.empty()) report.envelopeMean = sum / static_cast<double>(meshSamples_.size());
+  }
+
+  const TriangleMesh& mesh_;
+  const CoverDef& def_;
+  Settings set_;
+  Executor executor_;
+  MeshDistance exact_;
+  SignedDistanceBand band_;
+  TriangleMesh isoSurface_;
+  std::vector<SurfacePoint> meshSamples_;
+  std::vector<Spot> spots_;
+  std::vector<double> nearest_;      // distance from spot i to the nearest floater, m
+  std::vector<Vector3> positions_;   // floater i
+  std::vector<double> offsets_;      // of the surface that floater i lives on, m
+  std::vector<char> isExact_;        // floater i follows the exact distance instead of the band
+  std::vector<std::int32_t> hints_;  // triangle last nearest to floater i
+};
+
+}  // namespace
+
+Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* report) {
+  const Settings settings = settle(def);
+  const MeshReport check = checkMesh(mesh);
+  if (!check.isSolid()) {
+    throw std::invalid_argument("coverMesh needs the closed surface of a solid; the mesh has " +
+                                check.text());
+  }
+  requireAffordable(check.area, settings, def.maxParticles);
+  CoverReport own;
+  Covering covering = Coverer(mesh, def, settings).run(own);
+  if (report) *report = own;
+  return covering;
+}
+
+std::string CoverReport::text() const {
+  const double r = particleRadius;
+  std::ostringstream out;
+  out << particleCount << " particles of radius " << r << " m (D " << density << ", " << filledParticles
+      << " added in holes, " << thinParticles << " in thin parts)"
+      << "\nspacing / r: min " << spacingMin / r << ", median " << spacingMedian / r << ", max "
+      << spacingMax / r << "\nlargest hole: radius " << largestHole / r << " r, "
+      << largestHole / smallestGrainRadius << " of the smallest grain's; allowed " << holeBound / r
+      << " r: " << (holesClosed ? "holds" : "NOT REACHED") << "\nenvelope from the mesh: mean "
+      << envelopeMean / r << " r, max " << envelopeMax / r << " r"
+      << "\nfloaters: " << iterations << " iterations, " << fillRounds << " fill rounds, "
+      << (converged ? "converged" : "NOT CONVERGED");
+  return out.str();
+}
+
+void append(Covering& covering, const Covering& more) {
+  covering.positions.insert(covering.positions.end(), more.positions.begin(), more.positions.end());
+  covering.radii.insert(covering.radii.end(), more.radii.begin(), more.radii.end());
+}
+
+}  // namespace granular

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "granular/geometry/mesh_file.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace granular {
+namespace {
+
+constexpr int kMaxNodeDepth = 200;  // of the tree of parts; deeper ones are damage, and recursion must end
+constexpr std::int64_t kStlHeader = 84;          // bytes: 80 of text and the count
+constexpr std::int64_t kStlTriangle = 50;        // bytes: normal, three corners, attribute
+constexpr std::size_t kLongestHeader = 1 << 16;  // bytes of a PLY header that are looked at
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
+  throw std::runtime_error("mesh file " + path.string() + ": " + what);
+}
+
+std::string lowerCaseExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+std::string oneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::int64_t checkFile(const std::filesystem::path& path, const MeshFileLimits& limits) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) refuse(path, "no such file");
+  if (!std::filesystem::is_regular_file(path, error)) refuse(path, "not a regular file");
+  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
+  if (error || !std::ifstream(path, std::ios::binary)) refuse(path, "cannot be read");
+  if (size == 0) refuse(path, "the file is empty");
+  if (size > limits.maxBytes) {
+    refuse(path, std::to_string(size) + " bytes; the limit is " + std::to_string(limits.maxBytes) +
+                     " (MeshFileLimits.maxBytes)");
+  }
+  return size;
+}
+
+/// The first bytes of a file, as far as it goes.
+std::string readStart(const std::filesystem::path& path, std::size_t most) {
+  std::string start(most, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), static_cast<std::streamsize>(most));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  return start;
+}
+
+/// Refuses a count that a file of this size cannot hold.
+void requireRoom(const std::filesystem::path& path, const char* what, double count, double bytesEach,
+                 std::int64_t bytes) {
+  if (count * bytesEach <= static_cast<double>(bytes)) return;
+  std::ostringstream text;
+  text << "damaged or truncated: it announces " << std::fixed << std::setprecision(0) << count << ' ' << what
+       << ", which do not fit into its " << bytes << " bytes";
+  refuse(path, text.str());
+}
+
+void checkStl(const std::filesystem::path& path, std::int64_t size) {
+  const std::string start = readStart(path, kLongestHeader);
+  if (start.starts_with("solid") && start.find("facet") != std::string::npos)
+    return;  // text: nothing is announced
+  if (size < kStlHeader)
+    refuse(path, "truncated: a binary STL file has at least 84 bytes, this one " + std::to_string(size));
+  std::uint32_t count = 0;
+  for (int b = 3; b >= 0; --b) count = count << 8 | static_cast<unsigned char>(start[80 + b]);
+  requireRoom(path, "triangles", count, kStlTriangle, size - kStlHeader);
+}
+
+/// Fewest bytes that one value of a PLY property can take.
+double plyBytes(const std::string& type, bool isText) {
+  static const std::map<std::string, double> kBytes = {
+      {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
+      {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
+      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+  const auto known = kBytes.find(type);
+  return isText || known == kBytes.end() ? 1.0 : known->second;
+}
+
+/// An announced element: how many, and the fewest bytes each takes.
+struct PlyElement {
+  std::string name;
+  double count = 0.0, bytes = 0.0;
+};
+
+void checkPly(const std::filesystem::path& path, std::int64_t size) {
+  std::istringstream header(readStart(path, kLongestHeader));
+  std::vector<PlyElement> elements;
+  bool isText = false, isEnded = false;
+  for (std::string line; !isEnded && std::getline(header, line);) {
+    std::istringstream words(line);
+    std::string word, type;
+    words >> word;
+    if (word == "format") isText = words >> type && type == "ascii";
+    if (word == "element") {
+      PlyElement& element = elements.emplace_back();
+      if (!(words >> element.name >> element.count) || element.count < 0.0)
+        refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
+    }
+    if (word == "property" && !elements.empty()) {
+      words >> type;
+      if (type == "list") words >> type;  // of the length of the list, which may be 0
+      elements.back().bytes += plyBytes(type, isText) + (isText ? 1.0 : 0.0);
+    }
+    isEnded = word == "end_header";
+  }
+  if (!isEnded) refuse(path, "damaged PLY header: no end_header");
+  double total = 0.0;
+  for (const PlyElement& element : elements) {
+    requireRoom(path, element.name.c_str(), element.count, std::max(element.bytes, 1.0), size);
+    total += element.count * element.bytes;
+  }
+  requireRoom(path, "bytes of elements", total, 1.0, size);
+}
+
+void checkOff(const std::filesystem::path& path, std::int64_t size) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  const auto nextLine = [&] {
+    while (std::getline(file, line)) {
+      line.erase(std::min(line.find('#'), line.size()));
+      if (line.find_first_not_of(" \t\r") != std::string::npos) return true;
+    }
+    return false;
+  };
+  if (!nextLine()) refuse(path, "no OFF header");
+  const auto letters = line.find("OFF");
+  if (letters == std::string::npos) refuse(path, "no OFF header");
+  if (line.find_first_of("0123456789", letters) == std::string::npos && !nextLine())
+    refuse(path, "no counts after the OFF header");
+  std::istringstream words(line.substr(std::min(line.find_first_of("-0123456789"), line.size())));
+  double vertices = 0.0, faces = 0.0;
+  if (!(words >> vertices >> faces) || vertices < 0.0 || faces < 0.0)
+    refuse(path, "damaged OFF counts: '" + oneLine(line) + "'");
+  requireRoom(path, "vertices", vertices, 6.0, size + 1);  // "0 0 0\n"
+  requireRoom(path, "faces", faces, 8.0, size + 1);        // "3 0 1 2\n"
+}
+
+/// What is cheap to see before a parser trusts the file: counts that its size cannot hold.
+void checkAnnouncedCounts(const std::filesystem::path& path, std::int64_t size) {
+  const std::string extension = lowerCaseExtension(path);
+  if (extension == ".stl") return checkStl(path, size);
+  if (extension == ".ply") return checkPly(path, size);
+  if (extension == ".off") return checkOff(path, size);
+  for (const char* known : {".obj", ".gltf", ".glb", ".dae"}) {
+    if (extension == known) return;
+  }
+  refuse(path,
+         "unknown kind of file '" + extension + "'; it must be .obj, .stl, .ply, .off, .gltf, .glb or .dae");
+}
+
+/// Puts the parts of an imported scene together.
+class Assembler {
+ public:
+  Assembler(const std::filesystem::path& path, const aiScene& scene, const MeshFileLimits& limits)
+      : path_(path), scene_(scene), limits_(limits) {}
+
+  TriangleMesh run() {
+    addNode(*scene_.mRootNode, aiMatrix4x4(), 0);
+    return std::move(mesh_);
+  }
+
+ private:
+  void addNode(const aiNode& node, const aiMatrix4x4& parent, int depth) {
+    if (depth > kMaxNodeDepth)
+      refuse(path_, "parts are nested more than " + std::to_string(kMaxNodeDepth) + " deep");
+    const aiMatrix4x4 toWorld = parent * node.mTransformation;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+      if (node.mMeshes[m] >= scene_.mNumMeshes)
+        refuse(path_, "damaged: a part names a mesh that does not exist");
+      addPart(*scene_.mMeshes[node.mMeshes[m]], toWorld);
+    }
+    for (unsigned c = 0; c < node.mNumChildren; ++c) addNode(*node.mChildren[c], toWorld, depth + 1);
+  }
+
+  void addPart(const aiMesh& part, const aiMatrix4x4& toWorld) {
+    const auto triangles = static_cast<std::int64_t>(mesh_.triangles.size()) + part.mNumFaces;
+    if (triangles > limits_.maxTriangles) {
+      refuse(path_, "more than " + std::to_string(limits_.maxTriangles) +
+                        " triangles (MeshFileLimits.maxTriangles)");
+    }
+    if (mesh_.vertices.size() + part.mNumVertices > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
+      refuse(path_, "more vertices than an index can name");
+    }
+    const auto first = static_cast<std::int32_t>(mesh_.vertices.size());
+    for (unsigned v = 0; v < part.mNumVertices; ++v) {
+      const aiVector3D p = toWorld * part.mVertices[v];
+      mesh_.vertices.emplace_back(p.x, p.y, p.z);
+      if (!mesh_.vertices.back().allFinite())
+        refuse(path_, "vertex " + std::to_string(first + v) + " is not finite");
+    }
+    const bool isMirrored = toWorld.Determinant() < 0.0f;
+    for (unsigned f = 0; f < part.mNumFaces; ++f) addTriangle(part, part.mFaces[f], first, isMirrored);
+  }
+
+  void addTriangle(const aiMesh& part, const aiFace& face, std::int32_t first, bool isMirrored) {
+    if (face.mNumIndices != 3) return;  // points and lines; assimp has cut the polygons
+    std::array<std::int32_t, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      if (face.mIndices[k] >= part.mNumVertices)
+        refuse(path_, "damaged: a triangle names a vertex that does not exist");
+      corners[k] = first + static_cast<std::int32_t>(face.mIndices[k]);
+    }
+    if (isMirrored) std::swap(corners[1], corners[2]);
+    mesh_.triangles.push_back(corners);
+  }
+
+  const std::filesystem::path& path_;
+  const aiScene& scene_;
+  const MeshFileLimits& limits_;
+  TriangleMesh mesh_;
+};
+
+/// The scene belongs to the importer.
+const aiScene& import(Assimp::Importer& importer, const std::filesystem::path& path) {
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType;
+  const aiScene* scene = nullptr;
+  try {
+    scene = importer.ReadFile(path.string(), steps);
+  } catch (const std::exception& error) {
+    refuse(path, std::string("cannot be parsed: ") + oneLine(error.what()));
+  }
+  if (!scene) refuse(path, "cannot be parsed: " + oneLine(importer.GetErrorString()));
+  if (!scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE))
+    refuse(path, "there are no triangles");
+  return *scene;
+}
+
+}  // namespace
+
+TriangleMesh readMeshFile(const std::filesystem::path& path, const MeshFileLimits& limits) {
+  const std::int64_t size = checkFile(path, limits);
+  checkAnnouncedCounts(path, size);
+  Assimp::Importer importer;
+  TriangleMesh mesh = Assembler(path, import(importer, path), limits).run();
+  weldVertices(mesh);
+  if (mesh.triangles.empty()) refuse(path, "there are no triangles");
+  return mesh;
+}
+
+}  // namespace granular

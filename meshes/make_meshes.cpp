@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Writes the meshes of this folder: granular_make_meshes <folder>. They are closed and of our own making, so
+// that tests, demos and users have something to cover whose origin is certain. Lengths in m, z up.
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "granular/geometry/marching_tetrahedra.h"
+#include "granular/geometry/mesh_primitives.h"
+#include "granular/geometry/signed_distance_band.h"
+
+namespace {
+
+using granular::TriangleMesh;
+using granular::Vector3;
+
+/// A limb: the hull of two balls, standing in for a muscle.
+struct Limb {
+  Vector3 from, to;
+  double fromRadius, toRadius;
+};
+
+/// Distance to a limb whose radius runs evenly along its axis, m. It is a lower bound of the true distance,
+/// changing by less than the distance walked as long as the radii differ by less than the length.
+double distance(const Limb& limb, const Vector3& p) {
+  const Vector3 axis = limb.to - limb.from;
+  const double length = axis.norm();
+  const double slope = (limb.fromRadius - limb.toRadius) / length;
+  // Foot point of the line that leaves the cone at a right angle, instead of the axis.
+  const double along = (p - limb.from).dot(axis) / length;
+  const double across = std::sqrt(std::max(0.0, (p - limb.from).squaredNorm() - along * along));
+  const double shifted = along + across * slope / std::sqrt(1.0 - slope * slope);
+  const double t = std::clamp(shifted / length, 0.0, 1.0);
+  return (p - limb.from - t * axis).norm() - (limb.fromRadius + t * (limb.toRadius - limb.fromRadius));
+}
+
+/// Minimum of two distances with the crease filled over a width `blend`, m (Quilez 2013, polynomial smooth
+/// minimum).
+double smoothMinimum(double a, double b, double blend) {
+  const double h = std::max(blend - std::abs(a - b), 0.0) / blend;
+  return std::min(a, b) - 0.25 * h * h * blend;
+}
+
+/// A two-humped camel, 2.6 m from tail to nose, looking along +x; left is +y.
+std::vector<Limb> camelLimbs() {
+  std::vector<Limb> limbs = {
+      {{-0.62, 0.0, 1.28}, {0.58, 0.0, 1.30}, 0.33, 0.31},     // barrel of the body
+      {{-0.05, 0.0, 1.18}, {0.50, 0.0, 1.20}, 0.30, 0.32},     // chest
+      {{-0.38, 0.0, 1.55}, {-0.40, 0.0, 1.92}, 0.24, 0.09},    // rear hump
+      {{0.30, 0.0, 1.55}, {0.27, 0.0, 1.94}, 0.24, 0.09},      // front hump
+      {{0.72, 0.0, 1.26}, {1.10, 0.0, 1.22}, 0.22, 0.15},      // neck, going down
+      {{1.10, 0.0, 1.22}, {1.27, 0.0, 1.72}, 0.15, 0.11},      // and up again
+      {{1.25, 0.0, 1.80}, {1.62, 0.0, 1.70}, 0.135, 0.075},    // head and muzzle
+      {{-0.92, 0.0, 1.36}, {-1.06, 0.0, 0.92}, 0.055, 0.035},  // tail
+      {{-1.06, 0.0, 0.92}, {-1.07, 0.0, 0.78}, 0.035, 0.06},   // and its tuft
+  };
+  for (double side : {-1.0, 1.0}) {
+    limbs.push_back({{1.20, side * 0.08, 1.88}, {1.14, side * 0.13, 1.99}, 0.05, 0.035});    // ear
+    limbs.push_back({{0.62, side * 0.19, 1.18}, {0.64, side * 0.19, 0.62}, 0.17, 0.085});    // upper fore leg
+    limbs.push_back({{0.64, side * 0.19, 0.62}, {0.63, side * 0.19, 0.10}, 0.085, 0.06});    // lower fore leg
+    limbs.push_back({{0.63, side * 0.19, 0.08}, {0.72, side * 0.19, 0.07}, 0.075, 0.065});   // fore foot
+    limbs.push_back({{-0.66, side * 0.19, 1.22}, {-0.74, side * 0.19, 0.66}, 0.22, 0.095});  // thigh
+    limbs.push_back({{-0.74, side * 0.19, 0.66}, {-0.80, side * 0.19, 0.10}, 0.09, 0.06});   // shank
+    limbs.push_back({{-0.80, side * 0.19, 0.08}, {-0.70, side * 0.19, 0.07}, 0.075, 0.065});  // hind foot
+  }
+  return limbs;
+}
+
+TriangleMesh makeCamel() {
+  constexpr double kBlend = 0.10;  // m
+  const std::vector<Limb> limbs = camelLimbs();
+  const auto camel = [&](const Vector3& p) {
+    double d = distance(limbs.front(), p);
+    for (std::size_t i = 1; i < limbs.size(); ++i) d = smoothMinimum(d, distance(limbs[i], p), kBlend);
+    return d;
+  };
+  const granular::SignedDistanceBand band(camel, {{-1.3, -0.6, -0.1}, {1.9, 0.6, 2.2}},
+                                          {.spacing = 0.055, .lower = -0.01, .upper = 0.01});
+  return granular::marchingTetrahedra(band, 0.0);
+}
+
+/// Extrudes a polygon that sees all of itself from the origin, counter-clockwise, along z.
+TriangleMesh extrude(const std::vector<Eigen::Vector2d>& outline, double height) {
+  TriangleMesh mesh;
+  const auto n = static_cast<std::int32_t>(outline.size());
+  for (double z : {-0.5 * height, 0.5 * height}) {
+    for (const auto& p : outline) mesh.vertices.emplace_back(p[0], p[1], z);
+  }
+  const std::int32_t bottom = 2 * n, top = 2 * n + 1;
+  mesh.vertices.emplace_back(0.0, 0.0, -0.5 * height);
+  mesh.vertices.emplace_back(0.0, 0.0, 0.5 * height);
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t next = (i + 1) % n;
+    mesh.triangles.push_back({bottom, next, i});
+    mesh.triangles.push_back({top, n + i, n + next});
+    mesh.triangles.push_back({i, next, n + next});
+    mesh.triangles.push_back({i, n + next, n + i});
+  }
+  return mesh;
+}
+
+/// Five points, 1 m from centre to point.
+TriangleMesh makeStar() {
+  std::vector<Eigen::Vector2d> outline;
+  for (int k = 0; k < 10; ++k) {
+    const double angle = 0.5 * std::numbers::pi + k * std::numbers::pi / 5.0;
+    const double radius = k % 2 == 0 ? 1.0 : 0.45;
+    outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return extrude(outline, 0.4);
+}
+
+/// A convex block with no two faces alike: no symmetry hides a mistake in its inertia.
+TriangleMesh makeWedge() {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.0, 0.0, 0.0}, {1.2, 0.0, 0.0}, {0.0, 0.7, 0.0}, {0.0, 0.0, 0.5}, {0.9, 0.0, 0.3}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {0, 4, 3}, {1, 2, 4}, {2, 3, 4}};
+  return mesh;
+}
+
+void write(const TriangleMesh& mesh, const std::filesystem::path& folder, const std::string& name) {
+  const granular::MeshReport report = granular::checkMesh(mesh);
+  if (!report.isSolid())
+    throw std::runtime_error(name + " is not the closed surface of a solid: " + report.text());
+  std::ofstream file(folder / (name + ".obj"));
+  file << "# " << name << ", written by granular_make_meshes; MIT licence\n";
+  file.precision(6);
+  for (const Vector3& v : mesh.vertices) file << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+  for (const auto& t : mesh.triangles) file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  if (!file.flush()) throw std::runtime_error("cannot write " + (folder / (name + ".obj")).string());
+  const Vector3 size = granular::boundingBox(mesh).size();
+  std::cout << name << ".obj: " << size.transpose() << " m, " << report.text() << '\n';
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::filesystem::path folder = argc > 1 ? argv[1] : ".";
+  write(granular::makeIcosphere(1.0, 3), folder, "ball");
+  write(granular::makeTorus(1.0, 0.25, 48, 20), folder, "ring");
+  write(makeCamel(), folder, "camel");
+  write(makeStar(), folder, "star");
+  write(makeWedge(), folder, "wedge");
+  return 0;
+} catch (const std::exception& error) {
+  std::cerr << "granular_make_meshes: " << error.what() << '\n';
+  return 1;
+}
