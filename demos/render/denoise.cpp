@@ -14,11 +14,17 @@ struct Light {
   Color ambient, sun;
 };
 
+/// Weight that falls smoothly from 1 at no difference to 0 at a difference of 1 (Tukey's biweight).
+float nearness(float difference) {
+  const float rest = std::max(0.0f, 1.0f - difference * difference);
+  return rest * rest;
+}
+
 /// Light at a pixel, averaged over the 25 pixels at multiples of `step` that show about the same plane.
 Light smoothedAt(const Film& film, int x, int y, int step) {
   constexpr std::array<float, 3> kSpline = {3.0f / 8, 1.0f / 4, 1.0f / 16};  // B3 spline, by distance
-  constexpr float kPlaneTolerance = 1.2f;  // footprints off the plane at which the weight is 1/e
-  constexpr float kShadowTolerance = 0.35f;
+  constexpr float kPlaneTolerance = 2.0f;   // footprints off the plane from which a pixel no longer counts
+  constexpr float kShadowTolerance = 0.6f;  // likewise, share of the sun
   const auto center = static_cast<std::size_t>(y) * film.width + x;
   const float scale = 1.0f / (kPlaneTolerance * film.footprint[center]);
   Light sum{Color::Zero(), Color::Zero()};
@@ -36,13 +42,13 @@ Light smoothedAt(const Film& film, int x, int y, int step) {
       const float alike4 = (alike * alike) * (alike * alike);
       const float spline =
           kSpline[static_cast<std::size_t>(std::abs(dx))] * kSpline[static_cast<std::size_t>(std::abs(dy))];
-      const float weight = spline * alike4 * alike4 * std::exp(-off * off);
+      const float weight = spline * alike4 * alike4 * nearness(off);
       sum.ambient += weight * film.ambient[other];
       ambientWeight += weight;
       // The sun's shadow has true edges: only pixels about equally lit are mixed.
       const float change =
           (film.sunVisibility[other].y() - film.sunVisibility[center].y()) / kShadowTolerance;
-      const float lit = weight * std::exp(-change * change);
+      const float lit = weight * nearness(change);
       sum.sun += lit * film.sunVisibility[other];
       sunWeight += lit;
     }

@@ -38,15 +38,15 @@ Vector3f unitDirection(const Vector3& v, const char* field) {
 
 }  // namespace
 
-Environment::Environment(const RenderScene& scene, const Vector3& origin)
+Environment::Environment(const RenderScene& scene, const Camera& camera)
     : zenith_(linearFromSrgb(scene.sky.zenith)),
       horizon_(linearFromSrgb(scene.sky.horizon)),
       up_(unitDirection(scene.up, "RenderScene.up")),
       towardsSun_(unitDirection(scene.sun.towards, "Sun.towards")) {
   granular::requireNotNegative(scene.sun.irradiance, "Sun.irradiance", "");
   const double sunRadius = scene.sun.angularRadiusDegrees;
-  granular::require(sunRadius >= 0.0 && sunRadius <= 30.0, "Sun.angularRadiusDegrees", sunRadius, "degrees",
-                    "in [0, 30]");
+  granular::require(sunRadius >= 0.0 && sunRadius <= 45.0, "Sun.angularRadiusDegrees", sunRadius, "degrees",
+                    "in [0, 45]");
   sunIrradiance_ = linearFromSrgb(scene.sun.color) * static_cast<float>(scene.sun.irradiance);
   sunTangent_ = static_cast<float>(std::tan(sunRadius * std::numbers::pi / 180.0));
   if (!scene.ground) return;
@@ -58,19 +58,19 @@ Environment::Environment(const RenderScene& scene, const Vector3& origin)
   const Vector3 up = scene.up.normalized();
   const Vector3 across = up.unitOrthogonal();
   const Vector3 along = up.cross(across);
-  const Box bounds = boundsOf(scene);
-  const double size = 0.5 * bounds.size().norm();
+  const Vector3 view = camera.target - camera.eye;
+  const double pictureHeight = 2.0 * view.norm() * CameraFrame(camera, 1, 1).halfHeight;
   across_ = across.cast<float>();
   along_ = along.cast<float>();
-  groundHeight_ = static_cast<float>(ground.height - up.dot(origin));
-  const Vector3 center = bounds.center() - origin;
-  center_ = center.cast<float>();
+  groundHeight_ = static_cast<float>(ground.height - up.dot(camera.eye));
+  target_ = view.cast<float>();
   groundColor_ = linearFromSrgb(ground.color);
   groundRoughness_ = static_cast<float>(ground.roughness);
   gridSpacing_ = static_cast<float>(ground.gridSpacing);
-  textureLength_ = static_cast<float>(ground.textureLength > 0.0 ? ground.textureLength : size / 3.0);
-  fadeDistance_ = static_cast<float>(ground.fadeDistance > 0.0 ? ground.fadeDistance : 9.0 * size);
-  textureOrigin_ = {static_cast<float>(across.dot(origin)), static_cast<float>(along.dot(origin))};
+  textureLength_ =
+      static_cast<float>(ground.textureLength > 0.0 ? ground.textureLength : pictureHeight / 4.0);
+  fadeDistance_ = static_cast<float>(ground.fadeDistance > 0.0 ? ground.fadeDistance : 6.0 * pictureHeight);
+  textureOrigin_ = {static_cast<float>(across.dot(camera.eye)), static_cast<float>(along.dot(camera.eye))};
 }
 
 Color Environment::sky(const Vector3f& direction) const {
@@ -94,7 +94,7 @@ float Environment::groundDistance(const Vector3f& origin, const Vector3f& direct
 }
 
 float Environment::groundHaze(const Vector3f& position) const {
-  const Vector3f arm = position - center_;
+  const Vector3f arm = position - target_;
   const float distance = (arm - arm.dot(up_) * up_).norm();
   return smoothstep(0.15f, 1.0f, distance / fadeDistance_);
 }

@@ -2,6 +2,7 @@
 // What surrounds the things in a scene: sky, sun, ground and the haze in which the ground ends. Linear light.
 #pragma once
 
+#include "demos/render/camera.h"
 #include "demos/render/render_scene.h"
 #include "demos/render/shading.h"
 
@@ -9,8 +10,8 @@ namespace granular_demo {
 
 class Environment {
  public:
-  /// @param origin  point of the world that becomes (0, 0, 0); single precision is spent near it
-  Environment(const RenderScene& scene, const Vector3& origin);
+  /// The camera's eye becomes (0, 0, 0): single precision is best near it.
+  Environment(const RenderScene& scene, const Camera& camera);
 
   Color sky(const Vector3f& direction) const;
 
@@ -41,7 +42,7 @@ class Environment {
 
   Color zenith_, horizon_, sunIrradiance_, groundColor_;
   Vector3f up_, towardsSun_, across_, along_;
-  Vector3f center_;  // of the scene, projected onto the ground
+  Vector3f target_;  // of the camera
   Eigen::Vector2f
       textureOrigin_;  // keeps texture and lines where they are in the world when the camera moves
   float sunTangent_ = 0, groundHeight_ = 0, groundRoughness_ = 1;

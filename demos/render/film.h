@@ -7,11 +7,10 @@
 namespace granular_demo {
 
 struct FilmSettings {
-  std::filesystem::path
-      frameFolder;             ///< holds frame_00000.png, frame_00001.png, ... without a gap, all of one size
-  std::filesystem::path file;  ///< the MP4 to write; one that exists is replaced
-  double framesPerSecond = 30.0;  ///< > 0
-  int quality = 18;               ///< x264's constant rate factor: 0 lossless, 18 looks lossless, 51 worst
+  std::filesystem::path frameFolder = {};  ///< frame_00000.png, frame_00001.png, ..., no gap, all of one size
+  std::filesystem::path file = {};         ///< the MP4 to write; one that exists is replaced
+  double framesPerSecond = 30.0;           ///< > 0
+  int quality = 18;  ///< x264's constant rate factor: 0 lossless, 18 looks lossless, 51 worst
 };
 
 /// Path of frame `index` in a folder: frame_%05d.png.

@@ -18,6 +18,9 @@ constexpr float kDeepLight = 0.38f;
 // Below this roughness a reflection is traced, above it the reflected sky is taken as the mean one.
 constexpr float kMirrorRoughness = 0.4f;
 
+// Way behind a scattered ray: its pixel is so wide that it sees no detail of the ground.
+constexpr float kBlurred = kInfinity;
+
 // Reflections seen straight from the camera are not smoothed afterwards, so they get more rays.
 constexpr std::uint32_t kMirrorRays = 3;
 
@@ -188,7 +191,7 @@ void PathTracer::addSun(const Hit& hit, const Path& path, const Color& albedo, c
 
 Color PathTracer::bouncedLight(const Ray& ray, std::uint32_t sunDimension, std::uint32_t index) const {
   Hit hit;
-  if (!closestOpaque(ray, kInfinity, 0.0f, hit))
+  if (!closestOpaque(ray, kInfinity, kBlurred, hit))
     return environment_.sky(ray.direction) * scene_.glassTransmittance(ray, kInfinity);
   Color arriving = kDeepLight * environment_.openSkyAverage(hit.normal);
   const Vector3f toSun = environment_.sampleSun(samplePair(index, sunDimension));

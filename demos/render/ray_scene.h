@@ -36,7 +36,7 @@ struct Hit {
 
 class RayScene {
  public:
-  /// @param origin  point of the world that becomes (0, 0, 0)
+  /// @param origin  point of the world that becomes (0, 0, 0): single precision is best near it
   /// @throws std::invalid_argument for what cannot be drawn, std::runtime_error when Embree fails
   RayScene(const RenderScene& scene, const Vector3& origin);
   ~RayScene();

@@ -161,7 +161,7 @@ Image render(const RenderScene& scene, const Camera& camera, const RenderSetting
                           ? settings.threads
                           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const Lens lens(camera, settings.width, settings.height);
-  const Environment environment(scene, camera.eye);
+  const Environment environment(scene, camera);
   const RayScene rayScene(scene, camera.eye);
   const PathTracer tracer(rayScene, environment,
                           {settings.ambientRays, settings.reflectionDepth, lens.pixelAngle});

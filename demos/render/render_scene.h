@@ -44,9 +44,9 @@ struct RenderSphere {
 
 /// A mesh at a pose. Instances that share the pointer share the memory of the triangles.
 struct MeshInstance {
-  std::shared_ptr<const granular::TriangleMesh> mesh;
-  Pose pose;
-  Surface surface;
+  std::shared_ptr<const granular::TriangleMesh> mesh = nullptr;
+  Pose pose = {};
+  Surface surface = {};
 };
 
 /// An endless plane across `RenderScene::up`.
@@ -54,9 +54,12 @@ struct Ground {
   double height = 0.0;                       ///< m, along `up`
   Color color = Color(0.66f, 0.64f, 0.61f);  ///< sRGB
   double roughness = 0.75;
-  double gridSpacing = 0.0;    ///< m between thin lines that show the scale; 0: no lines
-  double textureLength = 0.0;  ///< m, largest blotch of the faint texture; 0: a third of the scene's size
-  double fadeDistance = 0.0;  ///< m from the scene's centre to where it is lost in the haze; 0: 9 scene sizes
+  double gridSpacing = 0.0;  ///< m between thin lines that show the scale; 0: no lines
+  double textureLength =
+      0.0;  ///< m, largest blotch of the faint texture; 0: a quarter of the picture's height
+  double fadeDistance =
+      0.0;  ///< m from the camera's target to where it is lost in haze; 0: 6 picture heights
+  // The picture's height is what the camera sees at its target. Set both where the camera moves.
 };
 
 /// Light from above, even around the horizon.
@@ -74,12 +77,12 @@ struct Sun {
 };
 
 struct RenderScene {
-  std::vector<RenderSphere> spheres;
+  std::vector<RenderSphere> spheres = {};
   std::vector<Surface> sphereSurfaces = {Surface{.color = Color::Ones(), .roughness = 0.65}};
-  std::vector<MeshInstance> meshes;
+  std::vector<MeshInstance> meshes = {};
   std::optional<Ground> ground = Ground{};
-  Sky sky;
-  Sun sun;
+  Sky sky = {};
+  Sun sun = {};
   Vector3 up = Vector3::UnitY();  ///< any length > 0
 };
 
