@@ -32,8 +32,8 @@ struct MaterialPairDef {
       std::nullopt;               ///< e_n obtained in a head-on impact at restitutionSpeed, in (0, 1]
   double restitutionSpeed = 1.0;  ///< m/s, > 0
   std::optional<double> friction = std::nullopt;  ///< mu, >= 0
-  std::optional<double>
-      shearViscosity;  ///< kt of eq. 18, N s/m, >= 0; default (2/7) pi m_eff / t_c, see pair_law.h
+  std::optional<double> shearViscosity =
+      std::nullopt;  ///< kt of eq. 18, N s/m, >= 0; default (2/7) pi m_eff / t_c, see pair_law.h
 };
 
 }  // namespace granular

@@ -426,7 +426,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     const bool forced = report.subSteps + report.rejectedTrials >= integrator.trialLimit;
     const double bound =
         forced ? std::max(trialBound(startSummary), dt / integrator.trialLimit) : trialBound(startSummary);
-    const double h = control.propose(dt - t, bound);
+    const double h = forced ? std::min(dt - t, bound) : control.propose(dt - t, bound);
     detail::EvaluationSummary seen = startSummary;
     stepper.trial(y, t, h, evaluation.executor(),
                   [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
