@@ -42,16 +42,16 @@ struct CoverBodyDef {
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
   /// of which 500 discs have the body's surface, but at most a quarter of its least extent.
   double particleRadius = 0.0;
-  std::optional<double>
-      offset;  ///< m, as granular::CoverDef::offset; default: the covering keeps the body's size
-  std::optional<double>
-      density;  ///< as granular::CoverDef::density; default: no hole that lets a grain through
+  /// m, as granular::CoverDef::offset; default: the covering keeps the body's size.
+  std::optional<double> offset = std::nullopt;
+  /// As granular::CoverDef::density; default: no hole that lets a grain through.
+  std::optional<double> density = std::nullopt;
   std::uint64_t seed = 1;
 
-  std::optional<granular::Covering> covering =
-      std::nullopt;  ///< ready particles, body frame (origin: centre of mass)
-  std::optional<granular::TriangleMesh> surface =
-      std::nullopt;              ///< covered in place of the collision shape, body frame
+  /// Ready particles, body frame (origin: centre of mass).
+  std::optional<granular::Covering> covering = std::nullopt;
+  /// Covered in place of the collision shape, body frame.
+  std::optional<granular::TriangleMesh> surface = std::nullopt;
   SurfaceDef shapeSurface = {};  ///< how the collision shape becomes a mesh; planes need a patch
 
   /// None: made from the body's friction and restitution. Between two such bodies friction is the product of

@@ -84,7 +84,7 @@ void forEachGrain(const granular::GranularSystem& system, Act act) {
   const auto slots = static_cast<std::int32_t>(system.grainMotions().size());
   for (std::int32_t i = 0; i < slots; ++i) {
     const granular::GrainId id = system.grainAt(i);
-    if (id.generation != 0) act(id);
+    if (id.index >= 0) act(id);
   }
 }
 

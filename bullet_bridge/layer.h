@@ -81,6 +81,8 @@ struct CoveredBody {
 };
 
 bool isFinite(const BulletState& state);
+/// Bullet's solver changed what was offered to it: joints or foreign contacts touched the body in this tick.
+bool isCorrected(const CoveredBody& covered);
 BulletState stateOf(const btRigidBody& body);
 /// Mass, inertia and factors as they stand; a held body has no freedom at all, a body without inertia does
 /// not turn.

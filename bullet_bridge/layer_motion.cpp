@@ -279,7 +279,7 @@ bool Layer::isNearGrains(const CoveredBody& covered, double largestGrainRadius, 
     const double reach =
         covered.boundingRadius + 2.0 * largestGrainRadius + (grains[i].velocity - body.velocity).norm() * dt;
     if ((grains[i].pose.position - body.pose.position).squaredNorm() > reach * reach) continue;
-    if (system_.grainAt(static_cast<std::int32_t>(i)).generation != 0) return true;
+    if (system_.grainAt(static_cast<std::int32_t>(i)).index >= 0) return true;
   }
   return false;
 }
@@ -407,6 +407,11 @@ void Layer::takeCorrections() {
   }
 }
 
+bool isCorrected(const CoveredBody& covered) {
+  return !(covered.velocityCorrection.isZero(0.0) && covered.angularVelocityCorrection.isZero(0.0) &&
+           covered.push.position.isZero(0.0) && covered.push.orientation.vec().isZero(0.0));
+}
+
 /// (x1, v1) of the core plus what Bullet's joints and foreign contacts added; the turn from x0 is made in
 /// double and without Bullet's limit of an eighth of a turn per tick.
 RigidMotion Layer::correctedMotion(const CoveredBody& covered, double dt) const {
@@ -416,12 +421,9 @@ RigidMotion Layer::correctedMotion(const CoveredBody& covered, double dt) const 
   motion.pose.position += dv * dt + covered.push.position;
   motion.velocity += dv;
   motion.angularVelocity += dw;
-  const bool turned = !dw.isZero(0.0) || !covered.push.orientation.isApprox(Quaternion::Identity(), 0.0);
-  if (turned) {
-    motion.pose.orientation = (turnBy((covered.meanAngularVelocity + dw) * dt) * covered.push.orientation *
-                               covered.startPose.orientation)
-                                  .normalized();
-  }
+  motion.pose.orientation = (turnBy((covered.meanAngularVelocity + dw) * dt) * covered.push.orientation *
+                             covered.startPose.orientation)
+                                .normalized();
   return motion;
 }
 
@@ -430,10 +432,12 @@ void Layer::store(btScalar dt) {
     if (covered.make.motion != BodyMotion::Dynamic) continue;
     const bool active = covered.body->isActive();
     if (covered.held && !active) continue;
-    RigidMotion motion = correctedMotion(covered, dt);
+    RigidMotion motion = system_.bodyMotion(covered.id);
+    const bool corrected = isCorrected(covered);
+    if (corrected) motion = correctedMotion(covered, dt);
     if (!active) motion.velocity = motion.angularVelocity = Vector3::Zero();  // fell asleep in this tick
     if (!isFinite(motion)) motion = {.pose = covered.startPose};
-    system_.setBodyMotion(covered.id, motion);
+    if (corrected || !active) system_.setBodyMotion(covered.id, motion);
     write(covered, motion);
   }
 }

@@ -157,9 +157,12 @@ class TriangleCollector : public btTriangleCallback {
 };
 
 TriangleMesh concaveSurface(const btConcaveShape& shape) {
-  const btScalar far = BT_LARGE_FLOAT;
+  btVector3 lower;
+  btVector3 upper;
+  shape.getAabb(btTransform::getIdentity(), lower,
+                upper);  // an endless box overflows in quantised trees and heightfields
   TriangleCollector collector;
-  shape.processAllTriangles(&collector, btVector3(-far, -far, -far), btVector3(far, far, far));
+  shape.processAllTriangles(&collector, lower, upper);
   if (collector.mesh.triangles.empty()) {
     throw std::invalid_argument(std::string("collision shape ") + shape.getName() + " has no triangles");
   }

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// Joints between covered bodies are solved by Bullet on the mean motion of the tick.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+
+#include "bridge_fixture.h"
+
+namespace bridge_test {
+namespace {
+
+/// Four boxes on hinges, one end pinned to the world, falling from the horizontal onto the ground. Returns
+/// the largest distance of any joint's two ends over four seconds, m.
+template <class World>
+double worstJointError(bool covered) {
+  Scene<World> scene;
+  btRigidBody& ground = scene.body(0, scene.box(5, 0.5, 5), at(0, -0.5, 0));
+  std::vector<btRigidBody*> links;
+  for (int i = 0; i < 4; ++i) {
+    links.push_back(&scene.body(1, scene.box(0.25, 0.1, 0.1), at(0.25 + 0.5 * i, 1.2, 0)));
+    links.back()->setActivationState(DISABLE_DEACTIVATION);
+  }
+  const btVector3 axis(0, 0, 1);
+  scene.joints.push_back(std::make_unique<btHingeConstraint>(*links[0], vec(-0.25, 0, 0), axis));
+  for (int i = 0; i < 3; ++i) {
+    scene.joints.push_back(std::make_unique<btHingeConstraint>(*links[i], *links[i + 1], vec(0.25, 0, 0),
+                                                               vec(-0.25, 0, 0), axis, axis));
+  }
+  for (auto& joint : scene.joints) scene.world->addConstraint(joint.get(), true);
+  if constexpr (std::is_same_v<World, bullet_bridge::GranularDynamicsWorld>) {
+    if (covered) {
+      scene.world->coverBody(ground, {.particleRadius = 0.1});
+      for (btRigidBody* link : links) scene.world->coverBody(*link, {.particleRadius = 0.05});
+    }
+  }
+  double worst = 0.0;
+  for (int i = 0; i < 240; ++i) {
+    scene.world->stepSimulation(scalar(1.0 / 60.0), 1, scalar(1.0 / 60.0));
+    worst = std::max(
+        worst, (fromBullet(links[0]->getWorldTransform() * vec(-0.25, 0, 0)) - Vector3(0, 1.2, 0)).norm());
+    for (int k = 0; k < 3; ++k) {
+      worst = std::max(worst, fromBullet(links[k]->getWorldTransform() * vec(0.25, 0, 0) -
+                                         links[k + 1]->getWorldTransform() * vec(-0.25, 0, 0))
+                                  .norm());
+    }
+  }
+  return worst;
+}
+
+TEST(HingeChain, OfCoveredBodiesIsNoWorseThanBulletsOwn) {
+  const double own = worstJointError<btDiscreteDynamicsWorld>(false);
+  const double covered = worstJointError<bullet_bridge::GranularDynamicsWorld>(true);
+  RecordProperty("bulletWorst", std::to_string(own));
+  RecordProperty("coveredWorst", std::to_string(covered));
+  EXPECT_LE(covered, own);
+}
+
+/// A bar pinned at one end, of length 1 m: a physical pendulum of I = m L^2 / 3 about the pin. Small swings
+/// have the period 2 pi sqrt(2 L / (3 g)) = 1.6223 s at g = 10 m/s^2 (swing of 0.1 rad: 0.06 % longer).
+TEST(Pendulum, OfACoveredBarKeepsItsPeriod) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, -10, 0));
+  const double angle = 0.1;
+  const btTransform start(btQuaternion(btVector3(0, 0, 1), scalar(angle)),
+                          vec(0.5 * std::sin(angle), -0.5 * std::cos(angle), 0));
+  btRigidBody& bar = scene.body(1, scene.box(0.005, 0.5, 0.005), start);
+  bar.setMassProps(1, vec(1.0 / 12, 1e-3, 1.0 / 12));
+  bar.setActivationState(DISABLE_DEACTIVATION);
+  scene.world->coverBody(bar, oneParticle(0.005));
+  scene.joints.push_back(std::make_unique<btPoint2PointConstraint>(bar, vec(0, 0.5, 0)));
+  scene.world->addConstraint(scene.joints[0].get());
+  double lastX = positionOf(bar).x();
+  std::vector<double> crossings;  // times at which the bar hangs straight, going left
+  for (int i = 1; i <= 60 * 8; ++i) {
+    scene.world->stepSimulation(scalar(1.0 / 60.0), 1, scalar(1.0 / 60.0));
+    const double x = positionOf(bar).x();
+    if (lastX > 0 && x <= 0) crossings.push_back((i - x / (x - lastX)) / 60.0);
+    lastX = x;
+  }
+  ASSERT_GE(crossings.size(), 4u);
+  const double period = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
+  EXPECT_NEAR(period, 1.6223 * 1.0006, 0.005);
+}
+
+}  // namespace
+}  // namespace bridge_test

@@ -1,0 +1,11 @@
+# Test sources of the bridge; tests/CMakeLists.txt links them with granular::bullet_bridge.
+list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_coupling_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_joint_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_kinematic_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_motion_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_pair_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_shape_surface_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_sleep_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_world_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/hello_sand_test.cpp)
