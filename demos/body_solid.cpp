@@ -37,7 +37,6 @@ Pose inverse(const Pose& pose) {
 
 TriangleMesh readSolidMesh(const MeshShape& shape) {
   TriangleMesh mesh = granular::readMeshFile(shape.file);
-  granular::weldVertices(mesh);
   if (granular::checkMesh(mesh).isInsideOut()) granular::turnInsideOut(mesh);
   const granular::MeshReport report = granular::checkMesh(mesh);
   if (!report.isSolid()) {

@@ -57,7 +57,7 @@ PlaceCounts PlaceChecks::count() const {
   }
   const auto motions = scene_.grains().grainMotions();
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (scene_.grains().grainAt(static_cast<std::int32_t>(i)).generation == 0) continue;
+    if (scene_.grains().grainAt(static_cast<std::int32_t>(i)).index < 0) continue;  // removed
     const Vector3& x = motions[i].pose.position;
     if (!x.allFinite() || !motions[i].velocity.allFinite()) ++counts.notFinite;
     if (!scene_.def().container) continue;

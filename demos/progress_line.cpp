@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -14,7 +15,11 @@ constexpr double kLineSpacing = 1.0;  // s between plain lines
 
 std::string barText(double fraction) {
   const int done = static_cast<int>(std::floor(fraction * kBarWidth));
-  return "[" + std::string(done, '#') + std::string(kBarWidth - done, '.') + "]";
+  std::string bar(kBarWidth + 2, '.');
+  bar.front() = '[';
+  bar.back() = ']';
+  std::fill_n(bar.begin() + 1, done, '#');
+  return bar;
 }
 
 }  // namespace

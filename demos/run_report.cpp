@@ -150,7 +150,7 @@ Json creepInfo(const BuiltScene& scene) {
   std::map<std::int32_t, Heaviest> heaviest;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(grains.grainMotions().size()); ++i) {
     const granular::GrainId id = grains.grainAt(i);
-    if (id.generation == 0) continue;
+    if (id.index < 0) continue;  // removed
     Heaviest& h = heaviest[grains.materialOf(id).index];
     if (grains.massOf(id) <= h.mass) continue;
     const auto& particles = grains.grainShape(grains.shapeOf(id)).particles;
