@@ -29,9 +29,10 @@ constexpr double kThinCosine =
     -0.5;  // a part is thin, not just near an edge, where its sides are within 60 deg of parallel
 constexpr double kResolved =
     0.25;  // of r: where the iso-surface is this near to the true one, it stands for it
-constexpr double kSettled = 1e-9;           // of r: off the offset surface by no more than this
-constexpr double kNotSettled = 1e-3;        // of r: off by more than this, the surface is not there
-constexpr int kLastFills = 4;               // one is enough where the iso-surface is resolved
+constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surface, 0 in the middle of a part
+constexpr double kSettled = 1e-9;     // of r: off the offset surface by no more than this
+constexpr double kNotSettled = 1e-3;  // of r: off by more than this, the surface is not there
+constexpr int kLastFills = 4;         // one is enough where the iso-surface is resolved
 constexpr std::int64_t kItemsAPiece = 512;  // of parallel work
 
 /// CoverDef with every default replaced by its number.
@@ -225,13 +226,16 @@ class Coverer {
             clear ? Vector3((p - near.point) / near.signedDistance) : near.normal};
   }
 
-  /// The paper's way: value and normal from the band. Where the band has no clear gradient, the exact ones.
+  /// The paper's way: value and normal from the band. A floater that comes where the band has no clear slope
+  /// follows the exact distance from then on: going to and fro between the two it would never come to rest.
   SurfaceSample surface(std::int32_t i, const Vector3& p) {
-    if (isExact_[i]) return exactSurface(i, p);
-    const auto s = band_.sample(p);
-    const double slope = s ? s->gradient.norm() : 0.0;
-    if (slope < 0.5) return exactSurface(i, p);
-    return {s->value - offsets_[i], s->gradient / slope};
+    if (!isExact_[i]) {
+      const auto s = band_.sample(p);
+      const double slope = s ? s->gradient.norm() : 0.0;
+      if (slope > kClearSlope) return {s->value - offsets_[i], s->gradient / slope};
+      isExact_[i] = 1;
+    }
+    return exactSurface(i, p);
   }
 
   void relax(CoverReport& report) {

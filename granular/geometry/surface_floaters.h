@@ -44,10 +44,12 @@ struct FloaterReport {
 
 /// Moves the floaters until they have converged. Velocity of one at P: -phi(P) N, back to the surface, plus
 /// sum K(|P - Pi|) (P - Pi) / |P - Pi| over its neighbours (Bell 2005, eq. 20), K(d) = (1 - d/R)^2 up to R, 0
-/// beyond. Differs from the paper: of the repulsion only the part along the surface counts, so that the
-/// pressure of floaters across a curved surface does not lift it off; and a floater keeps part of its last
-/// move, which evens out large patches sooner. Tests: SurfaceFloaters.EndOnTheZeroSet,
-/// Covering.LeavesNoHoleAGrainCouldEnter.
+/// beyond.
+/// Differs from the paper: of the repulsion only the part along the surface counts, so that the pressure of
+/// floaters across a curved surface does not lift it off; a floater keeps part of its last move, which evens
+/// out large patches sooner, and takes smaller steps where it would swing to and fro, so that it comes to rest
+/// at sharp edges too. Tests: SurfaceFloaters.EndOnTheZeroSet,
+/// SurfaceFloaters.ComeToRestOnABoxWithSharpEdges.
 FloaterReport relaxFloaters(std::span<Vector3> positions, const FloaterSurface& surface,
                             const FloaterDef& def);
 
