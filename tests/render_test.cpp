@@ -15,12 +15,18 @@
 #include "demos/render/film.h"
 #include "demos/render/mesh_normals.h"
 #include "demos/render/palette.h"
+#include "demos/render/path_tracer.h"
 #include "demos/render/plot.h"
 #include "demos/render/ray_scene.h"
 #include "demos/render/sampling.h"
 #include "demos/render/tone.h"
 #include "granular/base/random.h"
 #include "granular/geometry/mesh_primitives.h"
+
+// fontconfig keeps a few patterns until the end of the process; they are not ours to free.
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libfontconfig";
+}
 
 namespace granular_demo {
 namespace {
@@ -295,6 +301,45 @@ TEST(RayScene, AnOpaqueThingBlocksAllLightBehindGlass) {
   scene.meshes = {{.mesh = shared(granular::makePlanePatch(1, 1)), .surface = {.opacity = 0.3}}};
   const RayScene rays(scene, Vector3(0, 0, 2));
   EXPECT_EQ(rays.transmittance({Vector3f::Zero(), -Vector3f::UnitZ()}, kInfinity).maxCoeff(), 0.0f);
+}
+
+/// What arrives from the top of a chalk sphere under a sun in the zenith, seen from above at 45 degrees.
+LightSample lightFromTheTopOfASphere(const Surface& surface, const Sky& sky, double sunIrradiance) {
+  RenderScene scene;
+  scene.ground.reset();
+  scene.spheres = {{Vector3(0, -1, 0), 1.0, Color::Ones(), 0}};
+  scene.sphereSurfaces = {surface};
+  scene.sky = sky;
+  scene.sun = {.towards = Vector3::UnitY(), .color = Color::Ones(), .irradiance = sunIrradiance};
+  scene.sun.angularRadiusDegrees = 0.0;
+  const Camera camera{.eye = {2, 2, 0}, .target = {0, 0, 0}};
+  const RayScene rays(scene, camera.eye);
+  const Environment environment(scene, camera);
+  return PathTracer(rays, environment, {.ambientRays = 16})
+      .trace({Vector3f::Zero(), Vector3f(-1, -1, 0).normalized()}, 0);
+}
+
+// Lambert: radiance = albedo / pi * irradiance. Chalk's gloss adds little: 4 % of a lobe spread over the
+// hemisphere.
+TEST(PathTracer, ChalkInTheSunIsAsBrightAsLambertSays) {
+  constexpr double kIrradiance = 3.0;
+  const Surface chalk{.color = srgbFromLinear(Color::Constant(0.5f)), .roughness = 1.0};
+  const LightSample light = lightFromTheTopOfASphere(chalk, evenSky(Color::Zero()), kIrradiance);
+  const double lambert = 0.5 / std::numbers::pi * kIrradiance;
+  EXPECT_GE(light.radiance().y(), lambert - 1e-5);
+  EXPECT_LE(light.radiance().y(), lambert + 0.05 / std::numbers::pi * kIrradiance);
+}
+
+TEST(PathTracer, AFaceTurnedToAnEvenSkyReceivesItsRadiance) {
+  const LightSample light = lightFromTheTopOfASphere({.roughness = 1.0}, evenSky(Color::Constant(0.6f)), 0.0);
+  EXPECT_NEAR(light.ambient.x(), linearFromSrgb(Color::Constant(0.6f)).x(), 1e-5);
+}
+
+// A perfect mirror shows the sky as it is.
+TEST(PathTracer, ASmoothWhiteMetalShowsTheSkyUndimmed) {
+  const Surface mirror{.color = Color::Ones(), .roughness = 0.0, .metallic = 1.0};
+  const LightSample light = lightFromTheTopOfASphere(mirror, evenSky(Color::Constant(0.6f)), 0.0);
+  EXPECT_NEAR(light.radiance().x(), linearFromSrgb(Color::Constant(0.6f)).x(), 0.02);
 }
 
 // Integral of the specular lobe over the hemisphere, by brute force. No surface reflects more than it

@@ -21,35 +21,35 @@ float nearness(float difference) {
 }
 
 /// Light at a pixel, averaged over the 25 pixels at multiples of `step` that show about the same plane.
-Light smoothedAt(const Film& film, int x, int y, int step) {
+Light smoothedAt(const LightBuffer& buffer, int x, int y, int step) {
   constexpr std::array<float, 3> kSpline = {3.0f / 8, 1.0f / 4, 1.0f / 16};  // B3 spline, by distance
   constexpr float kPlaneTolerance = 2.0f;   // footprints off the plane from which a pixel no longer counts
   constexpr float kShadowTolerance = 0.6f;  // likewise, share of the sun
-  const auto center = static_cast<std::size_t>(y) * film.width + x;
-  const float scale = 1.0f / (kPlaneTolerance * film.footprint[center]);
+  const auto center = static_cast<std::size_t>(y) * buffer.width + x;
+  const float scale = 1.0f / (kPlaneTolerance * buffer.footprint[center]);
   Light sum{Color::Zero(), Color::Zero()};
   float ambientWeight = 0.0f, sunWeight = 0.0f;
   for (int dy = -2; dy <= 2; ++dy) {
     const int v = y + dy * step;
-    if (v < 0 || v >= film.height) continue;
+    if (v < 0 || v >= buffer.height) continue;
     for (int dx = -2; dx <= 2; ++dx) {
       const int u = x + dx * step;
-      if (u < 0 || u >= film.width) continue;
-      const auto other = static_cast<std::size_t>(v) * film.width + u;
-      const float alike = film.normal[center].dot(film.normal[other]);
-      if (film.footprint[other] <= 0.0f || alike <= 0.0f) continue;
-      const float off = scale * film.normal[center].dot(film.position[other] - film.position[center]);
+      if (u < 0 || u >= buffer.width) continue;
+      const auto other = static_cast<std::size_t>(v) * buffer.width + u;
+      const float alike = buffer.normal[center].dot(buffer.normal[other]);
+      if (buffer.footprint[other] <= 0.0f || alike <= 0.0f) continue;
+      const float off = scale * buffer.normal[center].dot(buffer.position[other] - buffer.position[center]);
       const float alike4 = (alike * alike) * (alike * alike);
       const float spline =
           kSpline[static_cast<std::size_t>(std::abs(dx))] * kSpline[static_cast<std::size_t>(std::abs(dy))];
       const float weight = spline * alike4 * alike4 * nearness(off);
-      sum.ambient += weight * film.ambient[other];
+      sum.ambient += weight * buffer.ambient[other];
       ambientWeight += weight;
       // The sun's shadow has true edges: only pixels about equally lit are mixed.
       const float change =
-          (film.sunVisibility[other].y() - film.sunVisibility[center].y()) / kShadowTolerance;
+          (buffer.sunVisibility[other].y() - buffer.sunVisibility[center].y()) / kShadowTolerance;
       const float lit = weight * nearness(change);
-      sum.sun += lit * film.sunVisibility[other];
+      sum.sun += lit * buffer.sunVisibility[other];
       sunWeight += lit;
     }
   }
@@ -58,7 +58,7 @@ Light smoothedAt(const Film& film, int x, int y, int step) {
 
 }  // namespace
 
-Film::Film(int w, int h) : width(w), height(h) {
+LightBuffer::LightBuffer(int w, int h) : width(w), height(h) {
   const std::size_t count = static_cast<std::size_t>(w) * h;
   for (auto* layer : {&rest, &ambientReflectance, &ambient, &sunReflectance, &sunVisibility})
     layer->assign(count, Color::Zero());
@@ -67,21 +67,21 @@ Film::Film(int w, int h) : width(w), height(h) {
   footprint.assign(count, 0.0f);
 }
 
-void denoise(Film& film, int passes, int threads) {
-  std::vector<Color> ambient = film.ambient, sun = film.sunVisibility;
+void denoise(LightBuffer& buffer, int passes, int threads) {
+  std::vector<Color> ambient = buffer.ambient, sun = buffer.sunVisibility;
   for (int pass = 0; pass < passes; ++pass) {
     const int step = 1 << pass;
-    parallelFor(threads, film.height, [&](int y) {
-      for (int x = 0; x < film.width; ++x) {
-        const auto pixel = static_cast<std::size_t>(y) * film.width + x;
-        if (film.footprint[pixel] <= 0.0f) continue;
-        const Light light = smoothedAt(film, x, y, step);
+    parallelFor(threads, buffer.height, [&](int y) {
+      for (int x = 0; x < buffer.width; ++x) {
+        const auto pixel = static_cast<std::size_t>(y) * buffer.width + x;
+        if (buffer.footprint[pixel] <= 0.0f) continue;
+        const Light light = smoothedAt(buffer, x, y, step);
         ambient[pixel] = light.ambient;
         sun[pixel] = light.sun;
       }
     });
-    film.ambient.swap(ambient);
-    film.sunVisibility.swap(sun);
+    buffer.ambient.swap(ambient);
+    buffer.sunVisibility.swap(sun);
   }
 }
 

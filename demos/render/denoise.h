@@ -10,8 +10,8 @@
 namespace granular_demo {
 
 /// Means over the samples of each pixel; all vectors [height * width], rows from the top.
-struct Film {
-  Film(int width, int height);
+struct LightBuffer {
+  LightBuffer(int width, int height);
 
   int width, height;
   std::vector<Color> rest;                ///< light that is left as it is
@@ -26,6 +26,6 @@ struct Film {
 };
 
 /// Smooths `ambient` and `sunVisibility`.
-void denoise(Film& film, int passes, int threads);
+void denoise(LightBuffer& buffer, int passes, int threads);
 
 }  // namespace granular_demo

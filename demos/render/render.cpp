@@ -73,7 +73,7 @@ Color ratio(const Color& sum, const Color& weight) {
   return (weight > 0.0f).select(sum / weight.max(1e-30f), 0.0f);
 }
 
-void tracePixel(const PathTracer& tracer, const Lens& lens, int x, int y, int samples, Film& film) {
+void tracePixel(const PathTracer& tracer, const Lens& lens, int x, int y, int samples, LightBuffer& buffer) {
   Color rest = Color::Zero(), ambientWeight = Color::Zero(), ambient = Color::Zero();
   Color sunWeight = Color::Zero(), sun = Color::Zero();
   LightSample nearest;
@@ -93,39 +93,39 @@ void tracePixel(const PathTracer& tracer, const Lens& lens, int x, int y, int sa
     sun += scale * light.sunReflectance * light.sunVisibility;
     if (light.depth > 0.0f && (nearest.depth == 0.0f || light.depth < nearest.depth)) nearest = light;
   }
-  const auto pixel = static_cast<std::size_t>(y) * film.width + x;
-  film.rest[pixel] = rest;
-  film.ambientReflectance[pixel] = ambientWeight;
-  film.ambient[pixel] = ratio(ambient, ambientWeight);
-  film.sunReflectance[pixel] = sunWeight;
-  film.sunVisibility[pixel] = ratio(sun, sunWeight);
-  film.normal[pixel] = nearest.normal;
-  film.position[pixel] =
+  const auto pixel = static_cast<std::size_t>(y) * buffer.width + x;
+  buffer.rest[pixel] = rest;
+  buffer.ambientReflectance[pixel] = ambientWeight;
+  buffer.ambient[pixel] = ratio(ambient, ambientWeight);
+  buffer.sunReflectance[pixel] = sunWeight;
+  buffer.sunVisibility[pixel] = ratio(sun, sunWeight);
+  buffer.normal[pixel] = nearest.normal;
+  buffer.position[pixel] =
       nearest.depth * lens.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-  film.footprint[pixel] = nearest.depth * lens.pixelAngle;
+  buffer.footprint[pixel] = nearest.depth * lens.pixelAngle;
 }
 
-void traceTiles(const PathTracer& tracer, const Lens& lens, int samples, int threads, Film& film) {
-  const int across = (film.width + kTile - 1) / kTile;
-  const int down = (film.height + kTile - 1) / kTile;
+void traceTiles(const PathTracer& tracer, const Lens& lens, int samples, int threads, LightBuffer& buffer) {
+  const int across = (buffer.width + kTile - 1) / kTile;
+  const int down = (buffer.height + kTile - 1) / kTile;
   parallelFor(threads, across * down, [&](int tile) {
     const int left = tile % across * kTile, top = tile / across * kTile;
-    for (int y = top; y < std::min(top + kTile, film.height); ++y)
-      for (int x = left; x < std::min(left + kTile, film.width); ++x)
-        tracePixel(tracer, lens, x, y, samples, film);
+    for (int y = top; y < std::min(top + kTile, buffer.height); ++y)
+      for (int x = left; x < std::min(left + kTile, buffer.width); ++x)
+        tracePixel(tracer, lens, x, y, samples, buffer);
   });
 }
 
-/// Film to display values. A fraction of one step of the 8 bits is added in a fine pattern, or even skies
+/// Light to display values. A fraction of one step of the 8 bits is added in a fine pattern, or even skies
 /// show bands (interleaved gradient noise, Jimenez 2014).
-Image develop(const Film& film, float exposure) {
-  Image image{film.width, film.height, {}};
-  image.pixels.reserve(3 * film.rest.size());
-  for (int y = 0; y < film.height; ++y) {
-    for (int x = 0; x < film.width; ++x) {
-      const auto pixel = static_cast<std::size_t>(y) * film.width + x;
-      const Color radiance = film.rest[pixel] + film.ambientReflectance[pixel] * film.ambient[pixel] +
-                             film.sunReflectance[pixel] * film.sunVisibility[pixel];
+Image develop(const LightBuffer& buffer, float exposure) {
+  Image image{buffer.width, buffer.height, {}};
+  image.pixels.reserve(3 * buffer.rest.size());
+  for (int y = 0; y < buffer.height; ++y) {
+    for (int x = 0; x < buffer.width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y) * buffer.width + x;
+      const Color radiance = buffer.rest[pixel] + buffer.ambientReflectance[pixel] * buffer.ambient[pixel] +
+                             buffer.sunReflectance[pixel] * buffer.sunVisibility[pixel];
       const float ramp = 0.06711056f * static_cast<float>(x) + 0.00583715f * static_cast<float>(y);
       const float wave = 52.9829189f * (ramp - std::floor(ramp));
       const Color display = 255.0f * srgbFromLinear(filmic(exposure * radiance)) + (wave - std::floor(wave));
@@ -166,10 +166,10 @@ Image render(const RenderScene& scene, const Camera& camera, const RenderSetting
   const RayScene rayScene(scene, camera.eye);
   const PathTracer tracer(rayScene, environment,
                           {settings.ambientRays, settings.reflectionDepth, lens.pixelAngle});
-  Film film(settings.width, settings.height);
-  traceTiles(tracer, lens, settings.samplesPerPixel, threads, film);
-  denoise(film, settings.denoisePasses, threads);
-  return develop(film, static_cast<float>(settings.exposure));
+  LightBuffer buffer(settings.width, settings.height);
+  traceTiles(tracer, lens, settings.samplesPerPixel, threads, buffer);
+  denoise(buffer, settings.denoisePasses, threads);
+  return develop(buffer, static_cast<float>(settings.exposure));
 }
 
 }  // namespace granular_demo
