@@ -6,4 +6,5 @@
 #include "granular/contact/material.h"
 #include "granular/dynamics/integrator.h"
 #include "granular/geometry/covering.h"
+#include "granular/geometry/exact_surface.h"
 #include "granular/system/granular_system.h"

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "granular/dynamics/integrator.h"
 #include "granular/dynamics/rigid_motion.h"
 #include "granular/geometry/covering.h"
+#include "granular/geometry/exact_surface.h"
 #include "granular/system/grain_shape.h"
 #include "granular/system/step_report.h"
 
