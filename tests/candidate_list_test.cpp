@@ -35,6 +35,7 @@ struct Cloud {
   }
   SearchInput input() const {
     return {.particles = rows,
+            .surfaces = {},
             .owner = owner,
             .rank = rank,
             .slotOfRank = slotOfRank,

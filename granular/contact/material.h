@@ -30,9 +30,10 @@ enum class NormalLaw : std::uint8_t {
   HertzTsuji,            ///< alpha 1/4, beta 3/2: the same e at every speed (eq. 12)
   HertzConstantDamping,  ///< alpha 0, beta 3/2: more elastic with speed, unphysical (eq. 12)
   LinearSpring,          ///< alpha 0, beta 1: the same e and contact time at every speed (eqs. 8-11)
-  /// alpha = beta = 1 and kd = a kr, stiffness shared out by the area each surface particle stands for: e, stiffness
-  /// and overlap of a covered body do not depend on how densely it is covered. For contacts of bodies.
-  /// Differs from the paper: its covered bodies bounce according to how many particles happen to touch (sec. 5).
+  /// alpha = beta = 1 and kd = a kr, stiffness shared out by the area each surface particle stands for: e,
+  /// stiffness and overlap of a covered body do not depend on how densely it is covered. For contacts of
+  /// bodies. Differs from the paper: its covered bodies bounce according to how many particles happen to
+  /// touch (sec. 5).
   ElasticFoundation,
 };
 
@@ -40,14 +41,15 @@ enum class NormalLaw : std::uint8_t {
 enum class ShearLaw : std::uint8_t {
   RegularisedCoulomb,  ///< eq. 18: no memory; holds a load only by creeping at load / viscosity. The default
   StaticFriction,      ///< eq. 19: a spring remembers the tangential displacement; holds a load at rest
-  Coulomb,             ///< eq. 17: full friction at once when sliding; held by a spring at Vt = 0, where 17 jumps
-  Viscous,             ///< eq. 16: not bounded by the normal force
+  Coulomb,  ///< eq. 17: full friction at once when sliding; held by a spring at Vt = 0, where 17 jumps
+  Viscous,  ///< eq. 16: not bounded by the normal force
 };
 
 /// How two materials push each other apart. What is not given is worked out from the materials.
 struct NormalLawDef {
   NormalLaw law = NormalLaw::HertzViscoelastic;
-  /// LinearSpring: t_c of eqs. 9-10 for the pair, s, > 0. Default: that of a Hertz impact at restitutionSpeed.
+  /// LinearSpring: t_c of eqs. 9-10 for the pair, s, > 0. Default: that of a Hertz impact at
+  /// restitutionSpeed.
   std::optional<double> contactTime = std::nullopt;
   /// kr, N/m^beta (ElasticFoundation: N/m^3), > 0, in place of what elasticity gives.
   std::optional<double> stiffness = std::nullopt;
@@ -60,24 +62,26 @@ struct NormalLawDef {
 /// How two materials resist sliding. What is not given is worked out from the materials.
 struct ShearLawDef {
   ShearLaw law = ShearLaw::RegularisedCoulomb;
-  /// kt of eqs. 16 and 18, N s/m, >= 0. Default (2/7) pi m_eff / t_c at restitutionSpeed: asks for no shorter sub-steps
-  /// than the normal law does.
+  /// kt of eqs. 16 and 18, N s/m, >= 0. Default (2/7) pi m_eff / t_c at restitutionSpeed: asks for no shorter
+  /// sub-steps than the normal law does.
   std::optional<double> viscosity = std::nullopt;
-  /// kt of eqs. 17 and 19, N/m, > 0. Default: after Mindlin, (1 - nu)/(1 - nu/2) of the normal stiffness, at every
-  /// overlap.
+  /// kt of eqs. 17 and 19, N/m, > 0. Default: after Mindlin, (1 - nu)/(1 - nu/2) of the normal tangent
+  /// stiffness at every overlap (2 (1 - nu)/(2 - nu) for two of one material).
   std::optional<double> stiffness = std::nullopt;
-  /// Dashpot beside the spring of eqs. 17 and 19, as a fraction of critical damping, in [0, 1]. The paper has none.
-  double dampingRatio = 0.0;
+  /// Dashpot beside the spring of eqs. 17 and 19, as a fraction of critical damping, in [0, 1]. Default: none
+  /// in 19, as in the paper; 0.5 in 17.
+  std::optional<double> dampingRatio = std::nullopt;
 };
 
-/// The pair rule: what holds where materials A and B touch. Restitution and friction that are not given are the
-/// geometric means (a material against itself keeps its own value); stiffness comes from both elasticities
-/// (Bell 2005, eqs. 13-15).
+/// The pair rule: what holds where materials A and B touch. Restitution and friction that are not given are
+/// the geometric means (a material against itself keeps its own value); stiffness comes from both
+/// elasticities (Bell 2005, eqs. 13-15).
 struct MaterialPairDef {
-  std::optional<double> restitution = std::nullopt;  ///< e_n of a head-on impact at restitutionSpeed, in [0.01, 1]
-  double restitutionSpeed = 1.0;                     ///< m/s, > 0
-  std::optional<double> friction = std::nullopt;     ///< mu, >= 0
-  NormalLawDef normal = {};                          ///< where a grain takes part
+  std::optional<double> restitution =
+      std::nullopt;               ///< e_n of a head-on impact at restitutionSpeed, in [0.01, 1]
+  double restitutionSpeed = 1.0;  ///< m/s, > 0
+  std::optional<double> friction = std::nullopt;                    ///< mu, >= 0
+  NormalLawDef normal = {};                                         ///< where a grain takes part
   NormalLawDef bodyNormal = {.law = NormalLaw::ElasticFoundation};  ///< between bodies
   ShearLawDef shear = {};
 };

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "granular/contact/pair_law.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "granular/base/require.h"
-#include "granular/contact/restitution.h"
+#include "granular/contact/law_list.h"
 
 namespace granular {
 namespace {
@@ -13,9 +14,76 @@ namespace {
 // Below this a contact loses all but a ten-thousandth of its energy and the damping constant grows without
 // bound.
 constexpr double kSmallestRestitution = 0.01;
+// Of the holding spring of eq. 17 when nothing is given: it must not swing on.
+constexpr double kHoldingDamping = 0.5;
 
 void checkRestitution(double e, std::string_view field) {
   require(std::isfinite(e) && e >= kSmallestRestitution && e <= 1.0, field, e, "", "in [0.01, 1]");
+}
+
+void checkNormal(const NormalLawDef& def, const std::string& field) {
+  if (def.contactTime) requirePositive(*def.contactTime, field + ".contactTime", "s");
+  if (def.stiffness) requirePositive(*def.stiffness, field + ".stiffness", "N/m^beta");
+  if (def.damping) requireNotNegative(*def.damping, field + ".damping", "N s/m^(1 + alpha)");
+  require(!def.contactTime || def.law == NormalLaw::LinearSpring, field + ".contactTime",
+          def.contactTime.value_or(0.0), "s", "left out unless the law is LinearSpring");
+  require(!(def.contactTime && def.stiffness), field + ".stiffness", def.stiffness.value_or(0.0), "N/m",
+          "left out where contactTime is given: the one decides the other");
+}
+
+void checkShear(const ShearLawDef& def) {
+  if (def.viscosity) requireNotNegative(*def.viscosity, "MaterialPairDef.shear.viscosity", "N s/m");
+  if (def.stiffness) requirePositive(*def.stiffness, "MaterialPairDef.shear.stiffness", "N/m");
+  if (def.dampingRatio) {
+    require(*def.dampingRatio >= 0.0 && *def.dampingRatio <= 1.0, "MaterialPairDef.shear.dampingRatio",
+            *def.dampingRatio, "", "in [0, 1]");
+  }
+  const bool isSpring = def.law == ShearLaw::StaticFriction || def.law == ShearLaw::Coulomb;
+  require(isSpring || !def.stiffness, "MaterialPairDef.shear.stiffness", def.stiffness.value_or(0.0), "N/m",
+          "left out unless the law is StaticFriction or Coulomb");
+  require(!isSpring || !def.viscosity, "MaterialPairDef.shear.viscosity", def.viscosity.value_or(0.0),
+          "N s/m", "left out unless the law is RegularisedCoulomb or Viscous");
+}
+
+/// kt/kn of two elastic bodies pressed together: 4 G*/E*, 1/G* = sum (2 - nu)/G (Mindlin 1949).
+double mindlinRatio(const MaterialDef& a, const MaterialDef& b) {
+  const auto shearCompliance = [](const MaterialDef& m) {
+    return (2.0 - m.poissonRatio) * 2.0 * (1.0 + m.poissonRatio) / m.youngsModulus;
+  };
+  const auto compliance = [](const MaterialDef& m) {
+    return (1.0 - m.poissonRatio * m.poissonRatio) / m.youngsModulus;
+  };
+  return 4.0 * (compliance(a) + compliance(b)) / (shearCompliance(a) + shearCompliance(b));
+}
+
+double dampingOf(const NormalLawDef& def, double restitution) {
+  if (def.damping) return 0.0;  // given as a constant
+  return withNormalLaw(
+      def.law, [&]<class Law>(Law) { return Law::dampingForRestitution(restitution, def.attraction); });
+}
+
+/// area: what a law by area is multiplied with when all of a body touches, m^2; 1 for laws between particles.
+/// Given constants and masses are those of the whole contact.
+ShearConstants shearConstants(const MaterialPair& pair, const PairLaw& law, double mass, double area) {
+  const ShearLawDef& def = pair.def.shear;
+  const double v = pair.def.restitutionSpeed;
+  // The normal spring at half the deepest overlap of an impact at the reference speed.
+  const auto [time, stiffness] = withNormalLaw(law.normalLaw, [&]<class Law>(Law) {
+    const double t = contactTimeOfUrgency(Law::urgency(law.normal, 0.0, v));
+    return std::pair(t, area * Law::tangentStiffness(law.normal, 0.25 * v * t));
+  });
+  // 2/7: tangential effective mass of solid spheres over m_eff. The default viscosity brings a sliding
+  // contact to rest within one contact time, so that it asks for no shorter a sub-step than the normal law
+  // does.
+  const double tangentialMass = 2.0 / 7.0 * mass;
+  const double kt = def.stiffness.value_or(pair.shearModulusRatio * stiffness);
+  const double ratio = def.dampingRatio.value_or(def.law == ShearLaw::Coulomb ? kHoldingDamping : 0.0);
+  return {.mu = pair.friction,
+          .viscosity = def.viscosity.value_or(tangentialMass * std::numbers::pi / time) / area,
+          .stiffness = def.stiffness.value_or(0.0) / area,
+          .stiffnessRatio = pair.shearModulusRatio,
+          .dashpot = 2.0 * ratio * std::sqrt(kt * tangentialMass) / area,
+          .slipCompliance = area / std::sqrt(kt * tangentialMass)};
 }
 
 }  // namespace
@@ -33,32 +101,44 @@ void checkMaterialPair(const MaterialPairDef& def) {
   if (def.restitution) checkRestitution(*def.restitution, "MaterialPairDef.restitution");
   requirePositive(def.restitutionSpeed, "MaterialPairDef.restitutionSpeed", "m/s");
   if (def.friction) requireNotNegative(*def.friction, "MaterialPairDef.friction", "");
-  if (def.shearViscosity) requireNotNegative(*def.shearViscosity, "MaterialPairDef.shearViscosity", "N s/m");
+  checkNormal(def.normal, "MaterialPairDef.normal");
+  checkNormal(def.bodyNormal, "MaterialPairDef.bodyNormal");
+  checkShear(def.shear);
+  require(def.normal.law != NormalLaw::ElasticFoundation, "MaterialPairDef.normal.law", "ElasticFoundation",
+          "", "a law between particles: the foundation is for bodies (bodyNormal)");
 }
 
 MaterialPair combineMaterials(const MaterialDef& a, const MaterialDef& b, const MaterialPairDef& def) {
   MaterialPair pair;
   pair.restitution = def.restitution.value_or(std::sqrt(a.restitution * b.restitution));
-  pair.restitutionSpeed = def.restitutionSpeed;
   pair.friction = def.friction.value_or(std::sqrt(a.friction * b.friction));
-  pair.damping = dampingForRestitution(0.5, 1.5, pair.restitution);
-  pair.shearViscosity = def.shearViscosity;
+  pair.shearModulusRatio = mindlinRatio(a, b);
+  pair.damping = dampingOf(def.normal, pair.restitution);
+  pair.bodyDamping = dampingOf(def.bodyNormal, pair.restitution);
+  pair.def = def;
   return pair;
 }
 
-PairLaw makePairLaw(const MaterialPair& pair, const ContactSide& a, const ContactSide& b) {
-  const EffectiveContact contact = effectiveContact(a, b);
-  const double kr = contact.hertzStiffness();
-  const double m = contact.mass;
-  const double v = pair.restitutionSpeed;
-  // Default viscosity of eq. 18: a sliding contact of two round particles is brought to rest within one
-  // contact time (2/7 is the tangential effective mass of solid spheres over m_eff), so that it asks for no
-  // shorter a sub-step than the normal law does.
-  const double kt =
-      pair.shearViscosity.value_or(2.0 / 7.0 * std::numbers::pi * m / hertzContactTime(kr, m, v));
-  return {.normal = {.kr = kr, .kd = hertzDampingConstant(0.5, pair.damping, kr, m, v)},
-          .shear = {.mu = pair.friction, .kt = kt},
-          .stiffnessPerMass = kr / m};
+PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide& b) {
+  const bool ofBodies = a.isBody && b.isBody;
+  // A plane has no size of its own: its layer is as deep as the other's, and it touches with all of it.
+  const auto other = [](double own, double others) { return own > 0.0 ? own : others; };
+  NormalRequest request;
+  request.contact = effectiveContact(a.contact, b.contact);
+  request.damping = ofBodies ? pair.bodyDamping : pair.damping;
+  request.restitution = pair.restitution;
+  request.speed = pair.def.restitutionSpeed;
+  request.bodyLength = 0.5 * (other(a.bodyLength, b.bodyLength) + other(b.bodyLength, a.bodyLength));
+  request.bodyArea = std::min(other(a.bodyArea, b.bodyArea), other(b.bodyArea, a.bodyArea));
+  request.def = ofBodies ? pair.def.bodyNormal : pair.def.normal;
+
+  PairLaw law;
+  law.normalLaw = request.def.law;
+  law.shearLaw = pair.def.shear.law;
+  law.normal = withNormalLaw(law.normalLaw, [&]<class Law>(Law) { return Law::constants(request); });
+  const bool byArea = withNormalLaw(law.normalLaw, []<class Law>(Law) { return Law::kByArea; });
+  law.shear = shearConstants(pair, law, request.contact.mass, byArea ? request.bodyArea : 1.0);
+  return law;
 }
 
 }  // namespace granular

@@ -5,10 +5,8 @@
 
 #include <string_view>
 
-#include "granular/contact/elasticity.h"
-#include "granular/contact/hertz_viscoelastic.h"
+#include "granular/contact/law_constants.h"
 #include "granular/contact/material.h"
-#include "granular/contact/regularised_coulomb.h"
 
 namespace granular {
 
@@ -19,34 +17,35 @@ void checkMaterialPair(const MaterialPairDef& def);
 /// What holds between two materials, whatever the sizes: the pair rule with everything filled in.
 struct MaterialPair {
   double restitution = 1.0;
-  double restitutionSpeed = 1.0;  ///< m/s
   double friction = 0.0;
-  double damping = 0.0;  ///< D of restitution.h that gives the restitution
-  std::optional<double> shearViscosity = std::nullopt;
+  double shearModulusRatio =
+      0.0;                   ///< tangential over normal stiffness of a pressed contact, after Mindlin 1949
+  double damping = 0.0;      ///< dimensionless, of the normal law between grains
+  double bodyDamping = 0.0;  ///< the same between bodies
+  MaterialPairDef def;
 };
 MaterialPair combineMaterials(const MaterialDef& a, const MaterialDef& b, const MaterialPairDef& def);
 
-/// All that the force between two particles of given kinds needs.
-struct PairLaw {
-  HertzViscoelastic normal;
-  RegularisedCoulomb shear;
-  double stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time
+/// One side of a pair: a round particle or an exact surface of a grain or a body.
+struct PairSide {
+  ContactSide contact;
+  bool isBody = false;
+  double bodyLength = 0.0;  ///< of a body, m: how deep its elastic layer is; 0: as deep as the other's
+  double bodyArea = 0.0;    ///< of a body, m^2: what it can touch with at once; 0: no matter
+};
 
-  /// What hertzContactTime would be for the impact that this contact is the middle of, as its (-5/2)th power
-  /// scaled: (kr/m)^4 v0^2, where v0 is the impact speed with the present energy. Cheap, and a maximum of it
-  /// is a minimum of contact times; contactTimeOfMeasure turns it back.
-  double urgency(double xi, double xiDot) const {
-    const double v0Squared = xiDot * xiDot + 0.8 * stiffnessPerMass * xi * xi * std::sqrt(xi);
-    const double k2 = stiffnessPerMass * stiffnessPerMass;
-    return k2 * k2 * v0Squared;
+/// All that the force between two sides needs.
+struct PairLaw {
+  NormalConstants normal;
+  ShearConstants shear;
+  NormalLaw normalLaw = NormalLaw::HertzViscoelastic;
+  ShearLaw shearLaw = ShearLaw::RegularisedCoulomb;
+
+  bool sameKernel(const PairLaw& other) const {
+    return normalLaw == other.normalLaw && shearLaw == other.shearLaw;
   }
 };
 
-/// Contact time, s, of an urgency > 0.
-inline double contactTimeOfUrgency(double urgency) {
-  return hertzContactTime(1.0, 1.0, std::sqrt(urgency));
-}
-
-PairLaw makePairLaw(const MaterialPair& pair, const ContactSide& a, const ContactSide& b);
+PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide& b);
 
 }  // namespace granular

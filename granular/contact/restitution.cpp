@@ -26,20 +26,22 @@ Point rungeKutta4(const Point& p, double s, double ds, double alpha, double beta
           p[1] + ds / 6.0 * (k1[1] + 2.0 * k2[1] + 2.0 * k3[1] + k4[1])};
 }
 
-/// > 0 while the contact pushes. The force is x^alpha (x^(beta - alpha) + D x').
-double push(const Point& p, double alpha, double beta, double D) {
-  return p[0] <= 0.0 ? -1.0 : std::pow(p[0], beta - alpha) + D * p[1];
+/// Whether the contact has ended: the overlap is gone, or (no attraction) the force
+/// x^alpha (x^(beta - alpha) + D x') no longer pushes.
+bool hasEnded(const Point& p, double alpha, double beta, double D, bool attraction) {
+  if (p[1] >= 0.0) return false;
+  return p[0] <= 0.0 || (!attraction && std::pow(p[0], beta - alpha) + D * p[1] <= 0.0);
 }
 
 }  // namespace
 
-double restitutionOfDamping(double alpha, double beta, double D) {
+double restitutionOfDamping(double alpha, double beta, double D, bool attraction) {
   constexpr double kStep = 1.0 / 512.0;  // in s; 1e-9 in e for all laws here
   Point p{0.0, 1.0};
   double s = 0.0;
   for (;;) {
     const Point next = rungeKutta4(p, s, kStep, alpha, beta, D);
-    if (next[1] < 0.0 && push(next, alpha, beta, D) <= 0.0) break;
+    if (hasEnded(next, alpha, beta, D, attraction)) break;
     p = next;
     s += kStep;
   }
@@ -47,18 +49,18 @@ double restitutionOfDamping(double alpha, double beta, double D) {
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     const Point q = rungeKutta4(p, s, middle, alpha, beta, D);
-    (q[1] < 0.0 && push(q, alpha, beta, D) <= 0.0 ? high : low) = middle;
+    (hasEnded(q, alpha, beta, D, attraction) ? high : low) = middle;
   }
   return -rungeKutta4(p, s, low, alpha, beta, D)[1];
 }
 
-double dampingForRestitution(double alpha, double beta, double e) {
+double dampingForRestitution(double alpha, double beta, double e, bool attraction) {
   if (e >= 1.0) return 0.0;
   double low = 0.0, high = 1.0;
-  while (restitutionOfDamping(alpha, beta, high) > e) high *= 2.0;
+  while (restitutionOfDamping(alpha, beta, high, attraction) > e) high *= 2.0;
   for (int i = 0; i < 50; ++i) {
     const double middle = 0.5 * (low + high);
-    (restitutionOfDamping(alpha, beta, middle) > e ? low : high) = middle;
+    (restitutionOfDamping(alpha, beta, middle, attraction) > e ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }

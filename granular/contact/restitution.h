@@ -7,11 +7,12 @@
 
 namespace granular {
 
-/// Restitution of a head-on impact at dimensionless damping D >= 0, in (0, 1].
-double restitutionOfDamping(double alpha, double beta, double D);
+/// Restitution of a head-on impact at dimensionless damping D >= 0, in (0, 1]. With attraction the contact
+/// ends where the overlap does, not where the force does.
+double restitutionOfDamping(double alpha, double beta, double D, bool attraction = false);
 
 /// The D that gives restitution e in [0.01, 1].
-double dampingForRestitution(double alpha, double beta, double e);
+double dampingForRestitution(double alpha, double beta, double e, bool attraction = false);
 
 /// Damping constant kd of eqs. 6-7 from D, for beta = 3/2: kd = D m (kr/m)^(2/5 (alpha+1)) v^((1 - 4
 /// alpha)/5). mass = m_eff, kg; v = the speed at which the restitution shall hold, m/s.

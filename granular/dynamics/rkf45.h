@@ -33,7 +33,7 @@ class Rkf45 {
   /// rate(stage time, state, rate of state) fills its last argument.
   template <class Rate>
   void start(const std::vector<double>& y, double t, Rate&& rate) {
-    resize(y.size());
+    rates_[0].resize(y.size());
     rate(t, y, rates_[0]);
   }
 
@@ -42,6 +42,7 @@ class Rkf45 {
   template <class Rate>
   void trial(const std::vector<double>& y, double t, double h, const Executor& executor, Rate&& rate) {
     using T = Rkf45Table;
+    resize(y.size());
     for (int s = 1; s < T::kStages; ++s) {
       combine(executor, y, h, T::a[s], s, stage_);
       rate(t + T::c[s] * h, stage_, rates_[s]);
@@ -50,6 +51,7 @@ class Rkf45 {
     estimateError(executor, h);
   }
 
+  std::vector<double>& firstRate() { return rates_[0]; }       ///< as start() left it
   std::vector<double>& result() { return result_; }            ///< state at t + h
   const std::vector<double>& error() const { return error_; }  ///< fifth minus fourth order, same units
 

@@ -92,8 +92,19 @@ void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Pi
     }
     std::sort(piece.partners.begin() + begin, piece.partners.end(),
               [&](std::int32_t p, std::int32_t q) { return input.rank[p] < input.rank[q]; });
+    searchSurfaces(i, input, piece);
     piece.slots.push_back(i);
     piece.counts.push_back(static_cast<std::int32_t>(piece.partners.size() - begin));
+  }
+}
+
+void CandidateList::searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const {
+  const ParticleRow& row = input.particles[slot];
+  const auto first = static_cast<std::int32_t>(input.particles.size());
+  for (std::int32_t s = 0; s < static_cast<std::int32_t>(input.surfaces.size()); ++s) {
+    if (input.surfaces[s].distance({row.x, row.y, row.z}) >= row.radius + skin_) continue;
+    const std::int32_t owner = input.owner[slot], other = input.owner[first + s];
+    if (owner != other && input.rules->mayMeet(owner, other)) piece.partners.push_back(first + s);
   }
 }
 

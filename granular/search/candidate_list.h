@@ -19,6 +19,18 @@ struct ParticleRow {
 };
 static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows to a load of 64 bytes");
 
+/// An exact surface where it stands now.
+struct SurfaceRow {
+  Vector3 point = Vector3::Zero();   ///< on the plane, or the centre of the sphere, m, world
+  Vector3 normal = Vector3::Zero();  ///< outward, of a plane, world; zero for a sphere
+  double radius = 0.0;               ///< m; 0 for a plane
+
+  /// Distance from the surface to a point outside, m; negative inside.
+  double distance(const Vector3& p) const {
+    return radius > 0.0 ? (p - point).norm() - radius : normal.dot(p - point);
+  }
+};
+
 /// Which owners meet at all. Owners are numbered: dynamic ones first, then kinematic, then static.
 struct MeetingRules {
   std::vector<std::uint32_t> group, mask;    ///< by owner; empty: everything meets
@@ -32,8 +44,9 @@ struct MeetingRules {
 /// in the stable order of owners and local indices, which no re-sorting changes.
 struct SearchInput {
   std::span<const ParticleRow> particles;  ///< [slot]
-  std::span<const std::int32_t> owner;     ///< [slot]
-  std::span<const std::int32_t> rank;      ///< [slot]
+  std::span<const SurfaceRow> surfaces = {};
+  std::span<const std::int32_t> owner;  ///< [slot]
+  std::span<const std::int32_t> rank;   ///< [slot]
   std::span<const std::int32_t> slotOfRank;
   std::int32_t dynamicCount = 0;
   const MeetingRules* rules = nullptr;
@@ -64,6 +77,7 @@ class CandidateList {
 
   void placeInHash(const SearchInput& input);
   void searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const;
+  void searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const;
   void joinRows(const SearchInput& input, const Executor& executor);
 
   double largestRadius_ = 0.0;

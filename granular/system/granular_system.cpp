@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "granular/base/require.h"
 #include "granular/contact/pair_law.h"
@@ -49,6 +50,7 @@ struct GrainRecord {
 struct BodyRecord {
   BodyMotion motionType = BodyMotion::Static;
   Covering covering;
+  std::optional<ExactSurface> exact;
   std::vector<ShapeParticle> particles;
   double reach = 0.0;
   MaterialId material;
@@ -89,11 +91,25 @@ void checkIntegrator(const IntegratorDef& def) {
 }
 
 void checkBody(const BodyDef& def) {
-  require(!def.covering.positions.empty(), "BodyDef.covering.positions", 0, "particles", "at least one");
-  require(def.covering.radii.size() == def.covering.positions.size(), "BodyDef.covering.radii",
-          def.covering.radii.size(), "entries", "as many as positions");
+  const std::size_t count = def.covering.positions.size();
+  require(count > 0 || def.exact, "BodyDef.covering.positions", 0, "particles",
+          "at least one, or BodyDef.exact given");
+  require(def.covering.radii.size() == count, "BodyDef.covering.radii", def.covering.radii.size(), "entries",
+          "as many as positions");
+  require(def.covering.areas.empty() || def.covering.areas.size() == count, "BodyDef.covering.areas",
+          def.covering.areas.size(), "entries", "none, or as many as positions");
   for (const Vector3& p : def.covering.positions) requireFinite(p, "BodyDef.covering.positions", "m");
   for (const double r : def.covering.radii) requirePositive(r, "BodyDef.covering.radii", "m");
+  for (const Matrix3& a : def.covering.areas) {
+    require(a.allFinite() && a.trace() > 0.0, "BodyDef.covering.areas", a.trace(), "m^2 (trace)",
+            "finite and > 0");
+  }
+  if (def.exact) {
+    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
+      requirePositive(ball->radius, "BodyDef.exact.radius", "m");
+    require(!std::holds_alternative<HalfSpace>(*def.exact) || def.motion != BodyMotion::Dynamic,
+            "BodyDef.motion", "Dynamic", "", "Static or Kinematic for a half-space");
+  }
   checkMotion({def.pose, def.velocity, def.angularVelocity}, "BodyDef");
 }
 
@@ -129,10 +145,11 @@ class GranularSystem::Impl {
   std::vector<double> y;
   Rkf45 stepper;
   StepControl control{Rkf45Table::kErrorOrder};
-  double contactTimeAtReference = 0.0;  // shortest over the kinds of pairs at the restitution speed, s
+  double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;
   bool layoutIsOld = true;
+  double lastSubStep = 0.0;                // just accepted, s; 0 once its end has been evaluated
   bool startIsCurrent = false;             // the stepper's first stage is that of the present state,
   detail::EvaluationSummary startSummary;  // and this is what it saw
 
@@ -146,7 +163,6 @@ class GranularSystem::Impl {
   void prepare();
   void makeLayout();
   std::vector<MaterialPair> combineAllMaterials() const;
-  void findReferenceContactTime();
   void loadSurroundings();
   void loadState();
   StepReport step(double dt);
@@ -195,11 +211,13 @@ void GranularSystem::Impl::checkMaterialId(MaterialId id, std::string_view field
 
 void GranularSystem::Impl::prepare() {
   if (!layoutIsOld) return;
+  const std::vector<detail::RememberedContact> memory = evaluation.exportMemory(y);
   makeLayout();
   loadSurroundings();
   evaluation.reset(combineAllMaterials(), materials);
-  findReferenceContactTime();
+  contactTimeAtReference = evaluation.referenceContactTime();
   loadState();
+  evaluation.importMemory(memory, y);
   layoutIsOld = false;
   startIsCurrent = false;
 }
@@ -243,6 +261,8 @@ void GranularSystem::Impl::makeLayout() {
       owner.kind = OwnerKind::Body;
       owner.index = b;
       owner.particles = record.particles;
+      owner.areas = record.covering.areas;
+      if (record.exact) owner.exact = &*record.exact;
       owner.reach = record.reach;
       owner.material = record.material.index;
       owner.filter = record.filter;
@@ -253,7 +273,8 @@ void GranularSystem::Impl::makeLayout() {
         owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
         owner.linearFactor = record.linearFactor;
         owner.angularFactor = record.angularFactor;
-        owner.isLocked = record.angularFactor != Vector3::Ones();
+        owner.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
+        owner.isLocked = owner.freeAxes != Vector3::Ones();
         ++layout.dynamicBodies;
       } else if (type == BodyMotion::Kinematic) {
         ++layout.kinematicBodies;
@@ -281,20 +302,6 @@ std::vector<MaterialPair> GranularSystem::Impl::combineAllMaterials() const {
     }
   }
   return pairs;
-}
-
-void GranularSystem::Impl::findReferenceContactTime() {
-  // The stiffest pair bounds from below; which pairs will meet is not known, so every material against the
-  // lightest and smallest kind of particle of its own.
-  contactTimeAtReference = std::numeric_limits<double>::infinity();
-  for (const detail::ParticleKind& kind : evaluation.layout().kinds) {
-    if (kind.inverseMass == 0.0) continue;
-    const MaterialDef& m = materials[kind.material];
-    const ContactSide side{kind.inverseMass, 1.0 / kind.radius, m.youngsModulus, m.poissonRatio};
-    const EffectiveContact contact = effectiveContact(side, side);
-    contactTimeAtReference =
-        std::min(contactTimeAtReference, hertzContactTime(contact.hertzStiffness(), contact.mass, 1.0));
-  }
 }
 
 void GranularSystem::Impl::loadSurroundings() {
@@ -341,7 +348,7 @@ RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
   motion.angularVelocity =
       motion.pose.orientation *
       owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * angularMomentum);
-  if (owner.isLocked) motion.angularVelocity = owner.angularFactor.cwiseProduct(motion.angularVelocity);
+  if (owner.isLocked) motion.angularVelocity = owner.freeAxes.cwiseProduct(motion.angularVelocity);
   return motion;
 }
 
@@ -410,10 +417,12 @@ void GranularSystem::Impl::acceptTrial() {
 void GranularSystem::Impl::evaluateNow(double t) {
   if (startIsCurrent) return;
   stepper.start(y, t, [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
-    evaluation.evaluate(at, s, rate);
+    evaluation.evaluate(at, s, rate, lastSubStep);
   });
+  evaluation.settleMemory(y, stepper.firstRate());
   startSummary = evaluation.summary();
   startIsCurrent = true;
+  lastSubStep = 0.0;
 }
 
 /// Trials from 0 until dt, or until a state is accepted that is not finite. Returns the time reached.
@@ -430,7 +439,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     detail::EvaluationSummary seen = startSummary;
     stepper.trial(y, t, h, evaluation.executor(),
                   [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
-                    evaluation.evaluate(at, s, rate);
+                    evaluation.evaluate(at, s, rate, at - t);
                     seen.urgency = std::max(seen.urgency, evaluation.summary().urgency);
                   });
 
@@ -446,6 +455,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     if (accept) {
       acceptTrial();
       startIsCurrent = false;
+      lastSubStep = h;
       t = dt - t <= h ? dt : t + h;
       ++report.subSteps;
       report.longestSubStep = std::max(report.longestSubStep, h);
@@ -500,8 +510,8 @@ void GranularSystem::Impl::storeState(double dt) {
     std::fill_n(tally, state::kTallySize, 0.0);
     if (record.motionType == BodyMotion::Kinematic) record.motion = advanced(record.motion, dt);
   }
-  heat += y.back();
-  y.back() = 0.0;
+  heat += y[evaluation.heatAt()];
+  y[evaluation.heatAt()] = 0.0;
   loadSurroundings();
 }
 
@@ -562,15 +572,15 @@ void GranularSystem::Impl::measure(StepReport& report) {
   }
   double overlapSum = 0.0;
   evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& force, const PairLaw& law) {
-        report.energy.elastic += law.normal.elasticEnergy(force.overlap);
-        overlapSum += force.overlap / std::min(evaluation.particles()[contact.slot1].radius,
-                                               evaluation.particles()[contact.slot2].radius);
+      [&](const detail::Contact& contact, const detail::ContactForce& force, const PairLaw&) {
+        report.energy.elastic += evaluation.elasticEnergy(contact, force);
+        overlapSum += evaluation.relativeOverlap(contact, force.overlap);
       });
+  report.energy.elastic += evaluation.memoryEnergy();
   if (seen.contacts > 0) report.meanOverlap = overlapSum / static_cast<double>(seen.contacts);
   report.workByMovedBodies = workByMoved;
   report.workByLoads = workByLoads;
-  report.dissipated = heat;
+  report.dissipated = heat + y[evaluation.heatAt()];
   evaluation.stageSeconds[static_cast<int>(Stage::Measure)] += secondsSince(start);
 }
 
@@ -674,10 +684,15 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   BodyRecord record;
   record.motionType = def.motion;
   record.covering = def.covering;
+  record.exact = def.exact;
   for (std::size_t i = 0; i < def.covering.positions.size(); ++i) {
     const ShapeParticle particle{def.covering.positions[i], def.covering.radii[i]};
     record.particles.push_back(particle);
     record.reach = std::max(record.reach, particle.position.norm() + particle.radius);
+  }
+  if (def.exact) {
+    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
+      record.reach = std::max(record.reach, ball->radius);
   }
   record.material = def.material;
   record.mass = def.mass;
@@ -938,7 +953,8 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
           const detail::Owner& owner = layout.owners[layout.ownerOfSlot[slots[side]]];
           view.ownerKind[side] = owner.kind;
           view.ownerIndex[side] = owner.index;
-          view.particle[side] = layout.rankOfSlot[slots[side]] - owner.firstRank;
+          view.particle[side] =
+              slots[side] < layout.particleCount ? layout.rankOfSlot[slots[side]] - owner.firstRank : -1;
         }
         view.point = f.point;
         view.force = f.force;
@@ -961,10 +977,11 @@ double GranularSystem::creepSpeed(MaterialId a, MaterialId b, double mass, doubl
   const MaterialPair pair = combineMaterials(s.materials[a.index], s.materials[b.index],
                                              found == s.pairDefs.end() ? MaterialPairDef{} : found->second);
   const auto side = [&](MaterialId m) {
-    return ContactSide{1.0 / mass, 1.0 / particleRadius, s.materials[m.index].youngsModulus,
-                       s.materials[m.index].poissonRatio};
+    const MaterialDef& material = s.materials[m.index];
+    return PairSide{
+        .contact = {1.0 / mass, 1.0 / particleRadius, material.youngsModulus, material.poissonRatio}};
   };
-  return mass * s.gravity.norm() / makePairLaw(pair, side(a), side(b)).shear.kt;
+  return mass * s.gravity.norm() / makePairLaw(pair, side(a), side(b)).shear.viscosity;
 }
 
 }  // namespace granular

@@ -74,7 +74,8 @@ enum class BodyMotion : std::uint8_t {
 /// inertia.
 struct BodyDef {
   BodyMotion motion = BodyMotion::Static;
-  Covering covering = {};  ///< at least one particle
+  Covering covering = {};  ///< at least one particle, unless an exact surface is given
+  std::optional<ExactSurface> exact = std::nullopt;  ///< met by particles besides the covering
   MaterialId material = {};
   double mass = 0.0;                           ///< kg; > 0 for dynamic bodies, ignored for others
   Vector3 principalInertia = Vector3::Zero();  ///< kg m^2; > 0 for dynamic bodies
@@ -100,7 +101,7 @@ struct ParticleView {
 struct ContactView {
   OwnerKind ownerKind[2] = {OwnerKind::Grain, OwnerKind::Grain};
   std::int32_t ownerIndex[2] = {-1, -1};
-  std::int32_t particle[2] = {-1, -1};  ///< local index within the owner
+  std::int32_t particle[2] = {-1, -1};  ///< local index within the owner; -1: its exact surface
   Vector3 point = Vector3::Zero();      ///< m, world
   Vector3 force = Vector3::Zero();      ///< N, on the first owner, world
   double overlap = 0.0;                 ///< m
@@ -143,7 +144,8 @@ class GranularSystem {
   /// Moves a body: a teleport for dynamic ones, pose at the start of the next step for kinematic ones.
   void setBodyMotion(BodyId id, const RigidMotion& motion);
   RigidMotion bodyMotion(BodyId id) const;
-  /// External force and torque on a dynamic body, held constant until changed. Gravity comes on top.
+  /// External force and torque on a dynamic body, held constant until changed. Gravity comes on top. Factors
+  /// do not apply: as in Bullet's totals, the host has multiplied them in already.
   void setBodyLoad(BodyId id, const Wrench& load);
   /// Acceleration of gravity for this body alone, m/s^2 (Bullet allows one per body); default: the system's.
   void setBodyGravity(BodyId id, const Vector3& gravity);
@@ -163,8 +165,7 @@ class GranularSystem {
   std::span<const RigidMotion> grainMotions()
       const;  ///< by GrainId::index; read isAlive() where grains are removed
   bool isAlive(GrainId id) const;
-  GrainId grainAt(
-      std::int32_t index) const;  ///< id of the grain in that place; generation 0 if none lives there
+  GrainId grainAt(std::int32_t index) const;  ///< id of the grain in that place; index -1 if none lives there
   void setGrainMotion(GrainId id, const RigidMotion& motion);
   const GrainShape& grainShape(GrainShapeId id) const;
   GrainShapeId shapeOf(GrainId id) const;

@@ -4,6 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <variant>
+
+#include "granular/contact/law_list.h"
 
 namespace granular::detail {
 namespace {
@@ -56,7 +61,7 @@ Vector3 angularVelocity(const Owner& owner, const Quaternion& orientation, const
   if (owner.isotropic && !owner.isLocked) return owner.inverseInertia.x() * angularMomentum;
   const Vector3 own = orientation.conjugate() * angularMomentum;
   const Vector3 world = orientation * owner.inverseInertia.cwiseProduct(own);
-  return owner.isLocked ? Vector3(owner.angularFactor.cwiseProduct(world)) : world;
+  return owner.isLocked ? Vector3(owner.freeAxes.cwiseProduct(world)) : world;
 }
 
 /// Line of centres for two particles in one place: any direction does, as long as it is always the same.
@@ -70,11 +75,15 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   materials_ = materials;
   owners_.assign(layout_.owners.size(), OwnerRow{});
   particles_.assign(layout_.particleCount, ParticleRow{});
+  rotations_.assign(layout_.owners.size(), Matrix3::Identity());
+  surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
+  memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
   list_.reset(layout_.particleCount, layout_.largestRadius, kSkin * layout_.smallestRadius);
   listIsCurrent_ = false;
   rebuildsSinceSort_ = kRebuildsPerSort;
   lawsByKind_ = layout_.kinds.size() <= kKindsInTable;
+  noteLaws();
   if (lawsByKind_) makePairLaws();
   placeFixed();
 }
@@ -86,23 +95,28 @@ void Evaluation::placeFixed() {
     owners_[o].angularVelocity.setZero();
     placeOwner(o, surroundings_.fixed[b].pose.position, surroundings_.fixed[b].pose.orientation);
   }
+  for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
+    if (layout_.ownerOfSurface[s] >= layout_.movingCount()) placeSurface(s);
+  }
   listIsCurrent_ = false;
 }
 
-void Evaluation::evaluate(double t, const std::vector<double>& y, std::vector<double>& rate) {
+void Evaluation::evaluate(double t, const std::vector<double>& y, std::vector<double>& rate,
+                          double onsetWindow) {
   ++evaluations;
-  placeParticles(t, y);    // pose -> particle positions, x + R s_i                            sec. 3.1
-  updateCandidates();      // only when something has moved half a skin                        sec. 3.2
-  findContacts();          // candidates -> pairs with overlap > 0                             eq. 1
-  computeContactForces();  // relative velocity, normal law, shear law                         eqs. 2-18
-  sumWrenches();           // by rank -> force and torque per grain and moving body            sec. 3.1
-  computeAccelerations(y, rate);  // gravity, loads, rigid-body equations of motion                   sec. 3.4
+  placeParticles(t, y);                        // pose -> particle positions, x + R s_i              sec. 3.1
+  updateCandidates();                          // only when something has moved half a skin          sec. 3.2
+  findContacts();                              // candidates -> pairs with overlap > 0               eq. 1
+  computeContactForces(y, rate, onsetWindow);  // relative velocity, normal law, shear law           eqs. 2-19
+  sumWrenches();                               // by rank -> wrench of each grain and moving body    sec. 3.1
+  computeAccelerations(y, rate);               // gravity, loads, rigid-body equations of motion     sec. 3.4
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
   const Owner& owner = layout_.owners[o];
   owners_[o].center = position;
   const Matrix3 rotation = owner.scale * orientation.toRotationMatrix();
+  if (owner.kind == OwnerKind::Body) rotations_[o] = rotation;
   ParticleRow* row = particles_.data() + owner.firstSlot;
   for (const ShapeParticle& particle : owner.particles) {
     const Vector3 p = position + rotation * particle.position;
@@ -151,7 +165,30 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
     pieceMaximum2_[piece] = speed;
   });
   largestMoveSquared_ = maximum(pieceMaximum_, pieces);
+  for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
+    if (layout_.ownerOfSurface[s] >= moving) continue;
+    placeSurface(s);
+    if (compare) largestMoveSquared_ = std::max(largestMoveSquared_, surfaceMove(s) * surfaceMove(s));
+  }
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
+}
+
+void Evaluation::placeSurface(std::int32_t s) {
+  const std::int32_t o = layout_.ownerOfSurface[s];
+  surfaces_[s].point = owners_[o].center;
+  if (const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].exact)) {
+    surfaces_[s].radius = ball->radius;
+  } else {
+    surfaces_[s].normal = rotations_[o].col(1);
+  }
+}
+
+/// How far any point of the surface near a particle has moved since the list was made, at most, m.
+double Evaluation::surfaceMove(std::int32_t s) const {
+  const SurfaceRow &now = surfaces_[s], &then = listedSurfaces_[s];
+  if (now.radius > 0.0) return (now.point - then.point).norm();
+  return std::abs(now.normal.dot(now.point) - then.normal.dot(then.point)) +
+         (now.normal - then.normal).norm() * listedExtent_;
 }
 
 void Evaluation::updateCandidates() {
@@ -201,6 +238,7 @@ void Evaluation::sortSlots() {
 void Evaluation::rebuildCandidates() {
   ++listRebuilds;
   const SearchInput input{.particles = particles_,
+                          .surfaces = surfaces_,
                           .owner = layout_.ownerOfSlot,
                           .rank = layout_.rankOfSlot,
                           .slotOfRank = layout_.slotOfRank,
@@ -208,18 +246,49 @@ void Evaluation::rebuildCandidates() {
                           .rules = &layout_.rules};
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
-  listedParticles_ = particles_;
-  listIsCurrent_ = true;
+  rememberList();
   contacts_.resize(list_.size());
   forces_.resize(list_.size());
   contactOfCandidate_.resize(list_.size());
   if (!lawsByKind_) makePairLaws();
 }
 
+/// What the list was made for, and which of its candidates have a memory.
+void Evaluation::rememberList() {
+  listedParticles_ = particles_;
+  listedSurfaces_ = surfaces_;
+  listIsCurrent_ = true;
+  listedExtent_ = 0.0;
+  if (!surfaces_.empty()) {
+    for (const ParticleRow& row : particles_) {
+      listedExtent_ = std::max(listedExtent_, Vector3(row.x, row.y, row.z).norm());
+    }
+  }
+  if (!hasMemory_) return;
+  memoryOfCandidate_.assign(list_.size(), -1);
+  contactMemory_.resize(list_.size());
+  for (std::int32_t m = 0; m < static_cast<std::int32_t>(memory_.size()); ++m) {
+    const std::int32_t slot = layout_.slotOfRank[memory_[m].rank1];
+    const auto begin = list_.partner().begin() + list_.rowStart()[slot];
+    const auto end = list_.partner().begin() + list_.rowStart()[slot + 1];
+    const auto found = std::lower_bound(
+        begin, end, memory_[m].rank2,
+        [&](std::int32_t partner, std::int32_t rank) { return layout_.rankOfSlot[partner] < rank; });
+    // A contact that is no longer even near has ended; settleMemory drops it.
+    if (found != end && layout_.rankOfSlot[*found] == memory_[m].rank2) {
+      memoryOfCandidate_[found - list_.partner().begin()] = m;
+    }
+  }
+}
+
 PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
   const auto side = [&](const ParticleKind& kind) {
     const MaterialDef& material = materials_[kind.material];
-    return ContactSide{kind.inverseMass, 1.0 / kind.radius, material.youngsModulus, material.poissonRatio};
+    return PairSide{
+        .contact = {kind.inverseMass, kind.inverseRadius, material.youngsModulus, material.poissonRatio},
+        .isBody = kind.isBody,
+        .bodyLength = kind.bodyLength,
+        .bodyArea = kind.bodyArea};
   };
   const ParticleKind &a = layout_.kinds[kindA], &b = layout_.kinds[kindB];
   return makePairLaw(materialPairs_[a.material * materials_.size() + b.material], side(a), side(b));
@@ -228,9 +297,15 @@ PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
 void Evaluation::makePairLaws() {
   if (lawsByKind_) {
     const auto kinds = static_cast<std::int32_t>(layout_.kinds.size());
-    pairLaws_.resize(layout_.kinds.size() * layout_.kinds.size());
+    pairLaws_.assign(layout_.kinds.size() * layout_.kinds.size(), PairLaw{});
     for (std::int32_t a = 0; a < kinds; ++a) {
-      for (std::int32_t b = 0; b < kinds; ++b) pairLaws_[a * kinds + b] = makeLaw(a, b);
+      for (std::int32_t b = 0; b < kinds; ++b) {
+        // Two planes, or two held things: they never meet, and nothing could be said of them.
+        const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
+        if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
+          pairLaws_[a * kinds + b] = makeLaw(a, b);
+        }
+      }
     }
     return;
   }
@@ -242,6 +317,22 @@ void Evaluation::makePairLaws() {
       }
     }
   });
+}
+
+/// Which laws can occur at all: scenes without memory, and scenes with one kernel, pay for neither.
+void Evaluation::noteLaws() {
+  hasMemory_ = false;
+  oneKernel_ = true;
+  bool anyBody = false, anyGrain = false;
+  for (const ParticleKind& kind : layout_.kinds) (kind.isBody ? anyBody : anyGrain) = true;
+  const MaterialPairDef& first = materialPairs_.empty() ? MaterialPairDef{} : materialPairs_.front().def;
+  for (const MaterialPair& pair : materialPairs_) {
+    const ShearLaw shear = pair.def.shear.law;
+    hasMemory_ |= withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; });
+    oneKernel_ &= shear == first.shear.law && pair.def.normal.law == first.normal.law;
+    // Bodies meet under bodyNormal, at least one of them moving.
+    oneKernel_ &= !(anyBody && layout_.dynamicBodies > 0) || pair.def.bodyNormal.law == first.normal.law;
+  }
 }
 
 const PairLaw& Evaluation::pairLaw(const Contact& contact) const {
@@ -264,9 +355,14 @@ void Evaluation::findContacts() {
     for (std::int32_t i = begin; i < end; ++i) {
       const ParticleRow a = particles_[i];
       for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
-        const ParticleRow& b = particles_[partner[c]];
-        const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z, reach = a.radius + b.radius;
-        const bool touches = dx * dx + dy * dy + dz * dz < reach * reach;
+        bool touches;
+        if (partner[c] < layout_.particleCount) {
+          const ParticleRow& b = particles_[partner[c]];
+          const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z, reach = a.radius + b.radius;
+          touches = dx * dx + dy * dy + dz * dz < reach * reach;
+        } else {
+          touches = surfaces_[partner[c] - layout_.particleCount].distance({a.x, a.y, a.z}) < a.radius;
+        }
         contactOfCandidate_[c] = touches ? n : -1;
         contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
         n += touches;
@@ -276,54 +372,266 @@ void Evaluation::findContacts() {
   });
 }
 
-ContactForce Evaluation::contactForce(const Contact& contact, double& urgency) const {
-  const ParticleRow &a = particles_[contact.slot1], &b = particles_[contact.slot2];
-  const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
-  const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
-  const PairLaw& law = pairLaw(contact);
-
-  const Vector3 x1(a.x, a.y, a.z), x2(b.x, b.y, b.z);
-  const double distance = (x2 - x1).norm();
-  const double xi = a.radius + b.radius - distance;                                  // eq. 1
-  const Vector3 N = distance > 0.0 ? Vector3((x2 - x1) / distance) : kAnyDirection;  // eq. 2
-  const Vector3 p = x1 + (a.radius - 0.5 * xi) * N;
-  const Vector3 V = owner1.velocity + owner1.angularVelocity.cross(p - owner1.center) -  // eq. 3
-                    owner2.velocity - owner2.angularVelocity.cross(p - owner2.center);
-  const double xiDot = V.dot(N);     // eq. 4
-  const Vector3 Vt = V - xiDot * N;  // eq. 5
-  if (!(xi > 0.0))
-    return {Vector3::Zero(), p, 0.0, 0.0};  // rounding: touching by the test, apart by the root
-
-  const double fn = law.normal.force(xi, xiDot);      // eqs. 6-7
-  const double kt = law.shear.factor(fn, Vt.norm());  // eq. 18
-  urgency = std::max(urgency, law.urgency(xi, xiDot));
-  return {.force = -fn * N - kt * Vt,
-          .point = p,
-          .dissipation = (fn - law.normal.elasticForce(xi)) * xiDot + kt * Vt.squaredNorm(),
-          .overlap = xi};
+/// The area, m^2, that a contact of bodies stands for: what its particle shows along N; of two particles,
+/// what both together do as springs one behind the other.
+double Evaluation::contactArea(const Contact& contact, const Vector3& N) const {
+  const auto areaOf = [&](std::int32_t slot) {
+    const std::int32_t o = layout_.ownerOfSlot[slot];
+    const Owner& owner = layout_.owners[o];
+    return Layout::areaAlong(owner, layout_.rankOfSlot[slot] - owner.firstRank,
+                             rotations_[o].transpose() * N);
+  };
+  const double first = areaOf(contact.slot1);
+  if (contact.slot2 >= layout_.particleCount) return first;
+  const double second = areaOf(contact.slot2);
+  return first * second / (first + second);
 }
 
-void Evaluation::computeContactForces() {
+/// False where the test of findContacts and the exact overlap disagree by rounding.
+template <class Normal, class Shear>
+bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) const {
+  const ParticleRow& a = particles_[contact.slot1];
+  const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
+  const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
+  const Vector3 x1(a.x, a.y, a.z);
+  const bool isPlane = contact.slot2 >= layout_.particleCount &&
+                       surfaces_[contact.slot2 - layout_.particleCount].radius == 0.0;
+  Vector3 x2 = Vector3::Zero();
+  double distance = 0.0;
+  if (isPlane) {
+    const SurfaceRow& plane = surfaces_[contact.slot2 - layout_.particleCount];
+    g.xi = a.radius - plane.distance(x1);
+    g.N = -plane.normal;
+    g.point = x1 + (a.radius - g.xi) * g.N;
+  } else {
+    double radius2;
+    if (contact.slot2 < layout_.particleCount) {
+      const ParticleRow& b = particles_[contact.slot2];
+      x2 = {b.x, b.y, b.z};
+      radius2 = b.radius;
+    } else {
+      x2 = surfaces_[contact.slot2 - layout_.particleCount].point;
+      radius2 = surfaces_[contact.slot2 - layout_.particleCount].radius;
+    }
+    distance = (x2 - x1).norm();
+    g.xi = a.radius + radius2 - distance;                                  // eq. 1
+    g.N = distance > 0.0 ? Vector3((x2 - x1) / distance) : kAnyDirection;  // eq. 2
+    g.point = x1 + (a.radius - 0.5 * g.xi) * g.N;
+  }
+  if (!(g.xi > 0.0)) return false;
+  g.V = owner1.velocity + owner1.angularVelocity.cross(g.point - owner1.center) - owner2.velocity -
+        owner2.angularVelocity.cross(g.point - owner2.center);  // eq. 3
+  if constexpr (Normal::kByArea) g.share = contactArea(contact, g.N);
+  if constexpr (Shear::kHasMemory) {
+    // The contact's frame turns with its normal, and about it as the two owners do on average.
+    const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
+    Vector3 swing = isPlane ? owner2.angularVelocity : Vector3(Vector3::Zero());
+    if (!isPlane && distance > 0.0) {
+      const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - owner2.center) -
+                              owner1.velocity - owner1.angularVelocity.cross(x1 - owner1.center);
+      swing = g.N.cross(centers) / distance;
+    }
+    g.turning = swing - swing.dot(g.N) * g.N + twist * g.N;
+  }
+  return true;
+}
+
+template <class Normal, class Shear>
+void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate,
+                             double onsetWindow, Extremes& extremes) {
+  for (std::int32_t n = begin; n < end; ++n) {
+    const Contact& contact = contacts_[n];
+    ContactGeometry g;
+    if (!contactGeometry<Normal, Shear>(contact, g)) {
+      forces_[n] = {Vector3::Zero(), g.point, 0.0, 0.0};
+      if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
+      continue;
+    }
+    const PairLaw& law = pairLaw(contact);
+    const double xiDot = g.V.dot(g.N);
+    Vector3 D = Vector3::Zero();
+    ContactMemory* memory = nullptr;
+    std::int32_t entry = -1;
+    if constexpr (Shear::kHasMemory) {
+      memory = &contactMemory_[n];
+      entry = memoryOfCandidate_[contact.candidate];
+      if (entry >= 0) {
+        D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
+      } else if (xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
+        D = std::min(g.xi / xiDot, onsetWindow) * (g.V - xiDot * g.N);
+      }
+    }
+    const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
+    if constexpr (Shear::kHasMemory) {
+      if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
+    }
+    forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+    extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
+    extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
+  }
+}
+
+void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<double>& rate,
+                                      double onsetWindow) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
   pieceMaximum_.assign(pieces, 0.0);
   pieceMaximum2_.assign(pieces, 0.0);
+  if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
-    double urgency = 0.0, overlap = 0.0;
-    for (std::int32_t n = begin; n < begin + contactsInPiece_[piece]; ++n) {
-      forces_[n] = contactForce(contacts_[n], urgency);
-      const double smaller =
-          std::min(particles_[contacts_[n].slot1].radius, particles_[contacts_[n].slot2].radius);
-      overlap = std::max(overlap, forces_[n].overlap / smaller);
+    std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
+    const std::int32_t end = begin + contactsInPiece_[piece];
+    Extremes extremes;
+    while (begin < end) {  // runs of one pair of laws, compiled for just these two
+      const PairLaw& law = pairLaw(contacts_[begin]);
+      std::int32_t stop = oneKernel_ ? end : begin + 1;
+      while (stop < end && pairLaw(contacts_[stop]).sameKernel(law)) ++stop;
+      withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+        withShearLaw(law.shearLaw, [&]<class Shear>(Shear) {
+          forcesOfRun<Normal, Shear>(begin, stop, y.data(), rate.data(), onsetWindow, extremes);
+        });
+      });
+      begin = stop;
     }
-    pieceMaximum_[piece] = urgency;
-    pieceMaximum2_[piece] = overlap;
+    pieceMaximum_[piece] = extremes.urgency;
+    pieceMaximum2_[piece] = extremes.overlap;
   });
   summary_.urgency = maximum(pieceMaximum_, pieces);
   summary_.largestOverlap = maximum(pieceMaximum2_, pieces);
   summary_.contacts = 0;
   for (const std::int32_t count : contactsInPiece_) summary_.contacts += count;
+}
+
+double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {
+  const double radius1 = particles_[contact.slot1].radius;
+  if (contact.slot2 >= layout_.particleCount) return overlap / radius1;
+  return overlap / std::min(radius1, particles_[contact.slot2].radius);
+}
+
+double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& force) const {
+  const PairLaw& law = pairLaw(contact);
+  return withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+    const double energy = Normal::elasticEnergy(law.normal, force.overlap);
+    if constexpr (!Normal::kByArea) return energy;
+    ContactGeometry g;
+    return contactGeometry<Normal, RegularisedCoulomb>(contact, g) ? g.share * energy : 0.0;
+  });
+}
+
+double Evaluation::referenceContactTime() const {
+  double shortest = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const PairLaw& law) {
+    shortest = std::min(shortest, withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+                          return contactTimeOfUrgency(Normal::urgency(law.normal, 0.0, 1.0));
+                        }));
+  };
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(layout_.kinds.size()); ++k) {
+    if (layout_.kinds[k].inverseMass > 0.0 && layout_.kinds[k].inverseRadius > 0.0) consider(makeLaw(k, k));
+  }
+  return shortest;
+}
+
+std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double>& y) const {
+  std::vector<RememberedContact> memory;
+  for (std::size_t m = 0; m < memory_.size(); ++m) {
+    RememberedContact contact;
+    const std::int32_t ranks[2] = {memory_[m].rank1, memory_[m].rank2};
+    for (int side = 0; side < 2; ++side) {
+      const std::int32_t slot = layout_.slotOfRank[ranks[side]];
+      const Owner& owner = layout_.owners[layout_.ownerOfSlot[slot]];
+      contact.kind[side] = owner.kind;
+      contact.index[side] = owner.index;
+      contact.local[side] = slot < layout_.particleCount ? ranks[side] - owner.firstRank : -1;
+    }
+    contact.displacement = Eigen::Map<const Vector3>(y.data() + stateSize() + 3 * m);
+    contact.energy = memory_[m].energy;
+    memory.push_back(contact);
+  }
+  return memory;
+}
+
+void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std::vector<double>& y) {
+  if (!hasMemory_ || memory.empty()) return;
+  std::map<std::pair<OwnerKind, std::int32_t>, std::int32_t> ownerNow;
+  for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
+    ownerNow[{layout_.owners[o].kind, layout_.owners[o].index}] = o;
+  }
+  const auto rankNow = [&](OwnerKind kind, std::int32_t index, std::int32_t local) -> std::int32_t {
+    const auto found = ownerNow.find({kind, index});
+    if (found == ownerNow.end()) return -1;
+    const Owner& owner = layout_.owners[found->second];
+    if (local >= 0)
+      return local < static_cast<std::int32_t>(owner.particles.size()) ? owner.firstRank + local : -1;
+    const auto surface =
+        std::find(layout_.ownerOfSurface.begin(), layout_.ownerOfSurface.end(), found->second);
+    if (surface == layout_.ownerOfSurface.end()) return -1;
+    return layout_.particleCount + static_cast<std::int32_t>(surface - layout_.ownerOfSurface.begin());
+  };
+  std::vector<std::pair<MemoryEntry, Vector3>> known;
+  for (const RememberedContact& contact : memory) {
+    const std::int32_t rank1 = rankNow(contact.kind[0], contact.index[0], contact.local[0]);
+    const std::int32_t rank2 = rankNow(contact.kind[1], contact.index[1], contact.local[1]);
+    // Seen from the other side where the two have changed places in the order: D turns with the point of
+    // view.
+    if (rank1 < 0 || rank2 < 0) continue;
+    const bool swapped = rank2 < rank1;
+    known.push_back({{std::min(rank1, rank2), std::max(rank1, rank2), contact.energy},
+                     swapped ? Vector3(-contact.displacement) : contact.displacement});
+  }
+  std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.first.rank1, a.first.rank2) < std::pair(b.first.rank1, b.first.rank2);
+  });
+  for (const auto& [entry, displacement] : known) {
+    memory_.push_back(entry);
+    y.insert(y.end(), displacement.data(), displacement.data() + 3);
+  }
+}
+
+void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate) {
+  if (!hasMemory_) return;
+  double heat = 0.0, heating = 0.0;
+  std::vector<MemoryEntry> kept;
+  std::vector<double> displacements, displacementRates;
+  std::vector<bool> lives(memory_.size(), false);
+  for (std::int32_t rank = 0; rank < layout_.dynamicParticles; ++rank) {
+    const std::int32_t slot = layout_.slotOfRank[rank];
+    for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
+      const std::int32_t n = contactOfCandidate_[c];
+      if (n < 0) {
+        memoryOfCandidate_[c] = -1;
+        continue;
+      }
+      const ShearLaw shear = pairLaw(contacts_[n]).shearLaw;
+      if (!withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; })) continue;
+      const ContactMemory& memory = contactMemory_[n];
+      const std::int32_t before = memoryOfCandidate_[c];
+      if (before >= 0) lives[before] = true;
+      heat += memory.loss;
+      heating += memory.heating;
+      memoryOfCandidate_[c] = static_cast<std::int32_t>(kept.size());
+      kept.push_back({rank, layout_.rankOfSlot[contacts_[n].slot2], memory.energy});
+      for (int k = 0; k < 3; ++k) {
+        displacements.push_back(memory.displacement[k]);
+        displacementRates.push_back(memory.rate[k]);
+      }
+    }
+  }
+  for (std::size_t m = 0; m < memory_.size(); ++m) {
+    if (!lives[m]) heat += memory_[m].energy;
+  }
+  memory_ = std::move(kept);
+  y.resize(stateSize());
+  y.insert(y.end(), displacements.begin(), displacements.end());
+  y[heatAt()] += heat;
+  rate.resize(stateSize());
+  rate[heatAt()] += heating;
+  rate.insert(rate.end(), displacementRates.begin(), displacementRates.end());
+}
+
+double Evaluation::memoryEnergy() const {
+  double energy = 0.0;
+  for (const MemoryEntry& entry : memory_) energy += entry.energy;
+  return energy;
 }
 
 void Evaluation::sumWrenches() {
@@ -399,7 +707,7 @@ void Evaluation::computeAccelerations(const std::vector<double>& y, std::vector<
   });
   double heat = 0.0;
   for (std::int32_t piece = 0; piece < pieces; ++piece) heat += pieceSum_[piece];
-  rate[stateSize() - 1] = heat;
+  rate[heatAt()] = heat;
 }
 
 }  // namespace granular::detail

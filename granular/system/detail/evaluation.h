@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "granular/base/parallel.h"
+#include "granular/contact/contact_kernel.h"
 #include "granular/contact/pair_law.h"
 #include "granular/search/candidate_list.h"
 #include "granular/system/detail/layout.h"
@@ -25,7 +26,7 @@ struct Surroundings {
   std::vector<RigidMotion> fixed;      ///< [static body]
 };
 
-/// An overlapping pair found by findContacts.
+/// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
 struct Contact {
   std::int32_t slot1, slot2;
   std::int32_t candidate;
@@ -35,10 +36,24 @@ struct Contact {
 struct ContactForce {
   Vector3 force;       ///< on the owner of particle 1, N, world
   Vector3 point;       ///< where it acts, m, world
-  double dissipation;  ///< power turned into heat, W, >= 0
+  double dissipation;  ///< power turned into heat, W
   double overlap;      ///< m
 };
 static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
+
+/// A contact that remembers (eq. 19); its displacement is in the state vector.
+struct MemoryEntry {
+  std::int32_t rank1, rank2;
+  double energy;  ///< stored when the last sub-step was accepted, J
+};
+
+/// The same by names that outlive a layout.
+struct RememberedContact {
+  OwnerKind kind[2];
+  std::int32_t index[2], local[2];  ///< local -1: the exact surface
+  Vector3 displacement;
+  double energy;
+};
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
 struct PatchWrench {
@@ -76,20 +91,37 @@ class Evaluation {
   Surroundings& surroundings() { return surroundings_; }
   const Executor& executor() const { return executor_; }
 
+  /// Without the memory of contacts, which comes last.
   std::size_t stateSize() const {
     return layout_.dynamicCount() * state::kSize + layout_.movingBodies() * state::kTallySize + 1;
   }
+  std::size_t heatAt() const { return stateSize() - 1; }
   std::size_t tallyAt(std::int32_t movingBody) const {
     return layout_.dynamicCount() * state::kSize + movingBody * state::kTallySize;
   }
 
-  /// The rate of y at time t of the step.
-  void evaluate(double t, const std::vector<double>& y, std::vector<double>& rate);
+  /// The rate of y at time t of the step. onsetWindow: how long ago, s, a contact without memory may have
+  /// begun; its displacement is taken to have grown since then.
+  void evaluate(double t, const std::vector<double>& y, std::vector<double>& rate, double onsetWindow);
+
+  /// After the first evaluation of an accepted state: contacts that began are remembered from now on, those
+  /// that ended are forgotten, springs give way to the Coulomb limit. Grows or shrinks y and its rate.
+  /// Nothing without laws 17, 19.
+  void settleMemory(std::vector<double>& y, std::vector<double>& rate);
+  /// Energy in the springs of eqs. 17 and 19 at the last accepted state, J.
+  double memoryEnergy() const;
+  /// Carries memory from one layout to the next; contacts of owners that are gone are forgotten.
+  std::vector<RememberedContact> exportMemory(const std::vector<double>& y) const;
+  void importMemory(const std::vector<RememberedContact>& memory, std::vector<double>& y);
+
+  /// Time over which an error of velocity counts as one of position: the shortest contact time at 1 m/s, s.
+  double referenceContactTime() const;
 
   // What the last evaluation found.
   const EvaluationSummary& summary() const { return summary_; }
   std::int64_t candidateCount() const { return list_.size(); }
-  const std::vector<ParticleRow>& particles() const { return particles_; }
+  double relativeOverlap(const Contact& contact, double overlap) const;  ///< in smaller radii of the pair
+  double elasticEnergy(const Contact& contact, const ContactForce& force) const;  ///< of the normal spring, J
   /// body(contact, its force, its law) for every contact, by rank of particle 1, then of particle 2.
   template <class Body>
   void forEachContact(Body&& body) const;
@@ -103,7 +135,7 @@ class Evaluation {
   void placeParticles(double t, const std::vector<double>& y);
   void updateCandidates();
   void findContacts();
-  void computeContactForces();
+  void computeContactForces(const std::vector<double>& y, std::vector<double>& rate, double onsetWindow);
   void sumWrenches();
   void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
 
@@ -113,7 +145,21 @@ class Evaluation {
   void makePairLaws();
   const PairLaw& pairLaw(const Contact& contact) const;
   PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
-  ContactForce contactForce(const Contact& contact, double& urgency) const;
+  void noteLaws();
+  void placeSurface(std::int32_t s);
+  double surfaceMove(std::int32_t s) const;
+  void rememberList();
+
+  /// Largest urgency and overlap (in smaller radii) of some contacts.
+  struct Extremes {
+    double urgency = 0.0, overlap = 0.0;
+  };
+  template <class Normal, class Shear>
+  void forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate, double onsetWindow,
+                   Extremes& extremes);
+  template <class Normal, class Shear>
+  bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
+  double contactArea(const Contact& contact, const Vector3& N) const;
 
   Layout layout_;
   Surroundings surroundings_;
@@ -122,7 +168,10 @@ class Evaluation {
   std::vector<MaterialDef> materials_;
 
   std::vector<OwnerRow> owners_;
+  std::vector<Matrix3> rotations_;  // of bodies
   std::vector<ParticleRow> particles_, listedParticles_;
+  std::vector<SurfaceRow> surfaces_, listedSurfaces_;
+  double listedExtent_ = 0.0;  // of all dynamic particles when the list was made, m
   CandidateList list_;
   CandidateIncidence incidence_;
   bool listIsCurrent_ = false;
@@ -131,12 +180,18 @@ class Evaluation {
 
   bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): one law a candidate
   std::vector<PairLaw> pairLaws_;
+  bool hasMemory_ = false;  // some pair remembers: otherwise nothing is stored for it
+  bool oneKernel_ = true;   // every pair has the same two laws
 
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
   std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<PatchWrench> patchWrenches_;
+
+  std::vector<MemoryEntry> memory_;              // by rank1, then rank2; entry m is at stateSize() + 3 m of y
+  std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
+  std::vector<ContactMemory> contactMemory_;     // by contact
   std::vector<double> pieceMaximum_, pieceMaximum2_, pieceSum_;
   EvaluationSummary summary_;
 };

@@ -2,15 +2,18 @@
 #include "granular/system/detail/layout.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
-#include <tuple>
+#include <variant>
 
 namespace granular::detail {
 
 void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
   particleCount = dynamicParticles = movingParticles = patchCount = 0;
   ownerOfPatch.clear();
+  ownerOfSurface.clear();
   rules = {};
   bool everythingMeets = true;
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
@@ -22,11 +25,13 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
     if (o < movingCount()) {
       movingParticles += count;
       owner.firstPatch = patchCount;
-      owner.patchCount =
-          owner.kind == OwnerKind::Grain ? 1 : (count + kParticlesPerPatch - 1) / kParticlesPerPatch;
+      owner.patchCount = owner.kind == OwnerKind::Grain
+                             ? 1
+                             : std::max(1, (count + kParticlesPerPatch - 1) / kParticlesPerPatch);
       patchCount += owner.patchCount;
       ownerOfPatch.insert(ownerOfPatch.end(), owner.patchCount, o);
     }
+    if (owner.exact != nullptr) ownerOfSurface.push_back(o);
     everythingMeets &=
         owner.filter.group == ContactFilter{}.group && owner.filter.mask == ContactFilter{}.mask;
   }
@@ -44,29 +49,69 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
   assignSlots(std::move(order));
 }
 
+double Layout::areaAlong(const Owner& owner, std::int32_t local, const Vector3& N) {
+  if (!owner.areas.empty()) return N.dot(owner.areas[local] * N);
+  const double radius = owner.particles[local].radius;
+  return 2.0 * std::sqrt(3.0) * radius * radius;
+}
+
+namespace {
+
+/// What a body can touch with at once, and how deep it is: the largest area it shows along an axis of its
+/// own, which both its sides make up, and the edge of a square of one side.
+void measureBody(const Owner& owner, ParticleKind& kind) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double area = 0.0;
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(owner.particles.size()); ++k) {
+      area += Layout::areaAlong(owner, k, Vector3::Unit(axis));
+    }
+    kind.bodyArea = std::max(kind.bodyArea, area);
+  }
+  kind.bodyLength = std::sqrt(0.5 * kind.bodyArea);
+}
+
+}  // namespace
+
 void Layout::findKinds() {
   kinds.clear();
   kindOfRank.clear();
-  kindOfRank.reserve(particleCount);
-  std::map<std::tuple<double, double, std::int32_t>, std::int32_t> known;
+  kindOfRank.reserve(particleCount + surfaceCount());
+  std::map<ParticleKind, std::int32_t> known;
+  const auto kindIndex = [&](const ParticleKind& kind) {
+    const auto [found, isNew] = known.try_emplace(kind, static_cast<std::int32_t>(kinds.size()));
+    if (isNew) kinds.push_back(kind);
+    return found->second;
+  };
   smallestRadius = largestRadius = 0.0;
   for (const Owner& owner : owners) {
+    ParticleKind kind{.inverseMass = owner.inverseMass,
+                      .material = owner.material,
+                      .isBody = owner.kind == OwnerKind::Body};
+    if (kind.isBody) measureBody(owner, kind);
     for (const ShapeParticle& particle : owner.particles) {
       const double radius = particle.radius * owner.scale;
       smallestRadius = smallestRadius == 0.0 ? radius : std::min(smallestRadius, radius);
       largestRadius = std::max(largestRadius, radius);
-      const auto [found, isNew] = known.try_emplace({radius, owner.inverseMass, owner.material},
-                                                    static_cast<std::int32_t>(kinds.size()));
-      if (isNew) kinds.push_back({radius, owner.inverseMass, owner.material});
-      kindOfRank.push_back(found->second);
+      kind.inverseRadius = 1.0 / radius;
+      kindOfRank.push_back(kindIndex(kind));
     }
+  }
+  if (smallestRadius == 0.0) smallestRadius = largestRadius = 1.0;  // no particles: nothing is measured by it
+  for (const std::int32_t o : ownerOfSurface) {
+    ParticleKind kind{.inverseMass = owners[o].inverseMass, .material = owners[o].material, .isBody = true};
+    if (const auto* ball = std::get_if<ExactSphere>(owners[o].exact)) {
+      kind.inverseRadius = 1.0 / ball->radius;
+      kind.bodyLength = ball->radius;
+      kind.bodyArea = std::numbers::pi * ball->radius * ball->radius;
+    }
+    kindOfRank.push_back(kindIndex(kind));
   }
 }
 
 void Layout::assignSlots(std::vector<std::int32_t> order) {
   slotOrder = std::move(order);
   for (auto* bySlot : {&ownerOfSlot, &rankOfSlot, &patchOfSlot, &kindOfSlot, &slotOfRank}) {
-    bySlot->resize(particleCount);
+    bySlot->resize(particleCount + surfaceCount());
   }
   std::int32_t slot = 0;
   const auto lay = [&](std::int32_t o) {
@@ -85,6 +130,13 @@ void Layout::assignSlots(std::vector<std::int32_t> order) {
   };
   for (const std::int32_t o : slotOrder) lay(o);
   for (std::int32_t o = dynamicCount(); o < static_cast<std::int32_t>(owners.size()); ++o) lay(o);
+  for (std::int32_t s = 0; s < surfaceCount(); ++s) {
+    const std::int32_t place = particleCount + s;
+    ownerOfSlot[place] = ownerOfSurface[s];
+    rankOfSlot[place] = slotOfRank[place] = place;
+    kindOfSlot[place] = kindOfRank[place];
+    patchOfSlot[place] = owners[ownerOfSurface[s]].firstPatch;
+  }
 }
 
 }  // namespace granular::detail

@@ -24,15 +24,18 @@ struct Owner {
   OwnerKind kind = OwnerKind::Grain;
   std::int32_t index = -1;                   ///< GrainId::index or BodyId::index
   std::span<const ShapeParticle> particles;  ///< principal frame, before scale
+  std::span<const Matrix3> areas;            ///< of a body's particles, as Covering::areas; may be empty
+  const ExactSurface* exact = nullptr;       ///< of a body that has one
   double scale = 1.0;
   double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
   Vector3 inverseInertia = Vector3::Zero();
   bool isotropic = false;
-  bool isLocked = false;  ///< some factor is not 1
+  bool isLocked = false;  ///< some axis of rotation is
   Vector3 linearFactor = Vector3::Ones();
   Vector3 angularFactor = Vector3::Ones();
-  double reach = 0.0;  ///< farthest particle surface from the centre, m
+  Vector3 freeAxes = Vector3::Ones();  ///< 0 for a locked axis of rotation, else 1, world
+  double reach = 0.0;                  ///< farthest particle surface from the centre, m
   std::int32_t material = -1;
   ContactFilter filter;
   std::int32_t firstRank = 0;
@@ -41,11 +44,15 @@ struct Owner {
   std::int32_t patchCount = 0;
 };
 
-/// A particle as the pair laws tell it apart.
+/// A particle or exact surface as the pair laws tell it apart.
 struct ParticleKind {
-  double radius = 0.0;
+  double inverseRadius = 0.0;  ///< 0 for a plane
   double inverseMass = 0.0;
   std::int32_t material = -1;
+  bool isBody = false;
+  double bodyLength = 0.0, bodyArea = 0.0;  ///< as in PairSide
+
+  friend auto operator<=>(const ParticleKind&, const ParticleKind&) = default;
 };
 
 struct Layout {
@@ -59,6 +66,8 @@ struct Layout {
 
   std::int32_t particleCount = 0, dynamicParticles = 0, movingParticles = 0, patchCount = 0;
   double smallestRadius = 0.0, largestRadius = 0.0;
+  std::vector<std::int32_t> ownerOfSurface;  ///< surface s has slot and rank particleCount + s
+  std::int32_t surfaceCount() const { return static_cast<std::int32_t>(ownerOfSurface.size()); }
 
   // By slot.
   std::vector<std::int32_t> ownerOfSlot, rankOfSlot, patchOfSlot, kindOfSlot;
@@ -69,6 +78,9 @@ struct Layout {
   std::vector<ParticleKind> kinds;
   std::vector<std::int32_t> kindOfRank;
   MeetingRules rules;
+
+  /// Area that particle `local` of a body shows to a contact along N (unit, body frame), m^2.
+  static double areaAlong(const Owner& owner, std::int32_t local, const Vector3& N);
 
   /// Numbers ranks, patches and kinds of `owners`, which are in their order; slots in the same order.
   void finish(const std::vector<std::uint64_t>& excludedPairs);

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// The force of one contact, put together at compile time from a normal law and a shear law (Bell 2005, sec.
+// 2).
+#pragma once
+
+#include <algorithm>
+
+#include "granular/base/pose.h"
+#include "granular/contact/law_constants.h"
+
+namespace granular {
+
+/// Where two particles meet and how they move there.
+struct ContactGeometry {
+  double xi = 0.0;                  ///< overlap, m, > 0 (eq. 1)
+  Vector3 N = Vector3::Zero();      ///< line of centres, from 1 to 2 (eq. 2)
+  Vector3 point = Vector3::Zero();  ///< p = x1 + (R1 - xi/2) N, on a plane: the plane, m, world
+  Vector3 V = Vector3::Zero();      ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
+  Vector3 turning =
+      Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
+  double share = 1.0;   ///< area, m^2, that laws by area are multiplied with
+};
+
+/// Memory of a contact (eq. 19) before and after the law has seen it.
+struct ContactMemory {
+  Vector3 displacement = Vector3::Zero();  ///< D once the sub-step is accepted, m
+  Vector3 rate = Vector3::Zero();          ///< of D, m/s
+  double energy = 0.0;                     ///< stored in the spring once the sub-step is accepted, J
+  double loss = 0.0;                       ///< energy given up when it is, J
+  double heating = 0.0;                    ///< what that adds to the dissipation at this moment, W
+};
+
+/// What a contact does.
+struct ContactResult {
+  Vector3 force = Vector3::Zero();  ///< on particle 1, N
+  double dissipation = 0.0;         ///< power turned into heat, W
+};
+
+/// D, m: displacement that the contact remembers. memory: filled for laws that have one, may be null for
+/// others.
+template <class Normal, class Shear>
+ContactResult contactResult(const NormalConstants& normal, const ShearConstants& shear,
+                            const ContactGeometry& g, const Vector3& D, ContactMemory* memory) {
+  const double xiDot = g.V.dot(g.N);                     // eq. 4
+  const Vector3 Vt = g.V - xiDot * g.N;                  // eq. 5
+  const double fn = Normal::force(normal, g.xi, xiDot);  // eqs. 6-7; by area: a pressure
+  const double elastic = Normal::elasticForce(normal, g.xi);
+  double heat = (fn - elastic) * xiDot;
+  Vector3 Ft;
+  if constexpr (Shear::kHasMemory) {  // eqs. 17, 19
+    const double kn = Normal::tangentStiffness(normal, g.xi);
+    const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
+    const Vector3 Dt = D - D.dot(g.N) * g.N;
+    const double friction = std::max(0.0, fn);
+    Ft = Shear::force(shear, friction, kt, Vt, Dt);
+    memory->rate = Vt + g.turning.cross(Dt);
+    memory->displacement = Shear::settled(shear, friction, kt, Vt, Dt);
+    memory->energy = 0.5 * g.share * kt * memory->displacement.squaredNorm();
+    memory->loss = 0.5 * g.share * kt * Dt.squaredNorm() - memory->energy;
+    memory->heating = g.share * kt * (Dt - memory->displacement).dot(Vt);
+    heat -= Ft.dot(Vt) + kt * Dt.dot(Vt);
+  } else {  // eqs. 16, 18
+    Ft = Shear::force(shear, std::max(0.0, fn), Vt);
+    heat -= Ft.dot(Vt);
+  }
+  return {.force = g.share * (Ft - fn * g.N), .dissipation = g.share * heat};
+}
+
+}  // namespace granular

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// The numbers a law works with for one kind of pair, and what they are worked out from. Every law reads them
+// its own way (see its file); none is virtual, none is looked up per contact.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "granular/contact/elasticity.h"
+#include "granular/contact/material.h"
+
+namespace granular {
+
+/// Constants of a normal law.
+struct NormalConstants {
+  double kr = 0.0;                ///< stiffness, N/m^beta; N/m^3 for laws by area
+  double kd = 0.0;                ///< damping, N s/m^(1 + alpha); s/m for laws by area
+  double smallestForce = 0.0;     ///< 0: no attraction; -infinity: the damper may pull
+  double stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time of Hertz laws
+  double fixedUrgency = 0.0;      ///< for laws whose contact time does not depend on speed
+};
+
+/// Constants of a shear law.
+struct ShearConstants {
+  double mu = 0.0;
+  double viscosity = 0.0;       ///< kt of eqs. 16 and 18, N s/m
+  double stiffness = 0.0;       ///< kt of eqs. 17 and 19 as given, N/m; 0: by the ratio
+  double stiffnessRatio = 0.0;  ///< tangential over normal tangent stiffness
+  double dashpot = 0.0;         ///< beside the spring of eqs. 17 and 19, N s/m
+  double slipCompliance =
+      0.0;  ///< 1 / sqrt(kt m_t), m/(N s): speed at which a loaded spring lets go, over its force
+};
+
+/// What a normal law works its constants out from.
+struct NormalRequest {
+  EffectiveContact contact;
+  double damping = 0.0;  ///< dimensionless, as the law's own dampingForRestitution returned it
+  double restitution = 1.0;
+  double speed = 1.0;       ///< at which the restitution shall hold, m/s
+  double bodyLength = 0.0;  ///< depth of the elastic layer of bodies, m; laws by area only
+  double bodyArea = 0.0;    ///< what the smaller body can touch with at once, m^2; laws by area only
+  NormalLawDef def;
+
+  double smallestForce() const { return def.attraction ? -std::numeric_limits<double>::infinity() : 0.0; }
+};
+
+/// Duration of an elastic Hertz impact at speed v, s: 3.218065 (m^2 / (kr^2 v))^(1/5) (Landau & Lifshitz,
+/// Theory of Elasticity, sec. 9). mass = m_eff, kg.
+inline constexpr double kHertzTime = 3.2180653;
+inline double hertzContactTime(double kr, double mass, double v) {
+  return kHertzTime * std::pow(mass * mass / (kr * kr * v), 0.2);
+}
+
+/// How pressing a contact is, in a measure that costs no root: (kHertzTime / contact time)^10. The largest
+/// urgency is the shortest contact time.
+inline double contactTimeOfUrgency(double urgency) {
+  return kHertzTime * std::pow(urgency, -0.1);
+}
+inline double urgencyOfContactTime(double time) {
+  return std::pow(kHertzTime / time, 10.0);
+}
+
+}  // namespace granular

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Normal law: damped linear spring, alpha = 0, beta = 1 (Bell 2005, eqs. 6-8): the same restitution and the
+// same contact time at every speed.
+//
+// Differs from the paper: eqs. 9-10 hold only where the damper may pull at the end of the contact. Dry grains
+// let go when the force reaches zero, after the time tau(z) / w0 with restitution exp(-z tau), z = kd / (2
+// sqrt(m kr)); kr and kd are worked out from that, so that the e and t_c asked for are those obtained. With
+// attraction, eqs. 9-10. Test: Verification 1.linear-*.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "granular/contact/law_constants.h"
+
+namespace granular {
+
+struct LinearSpring {
+  static constexpr bool kByArea = false;
+
+  /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
+  static double force(const NormalConstants& c, double xi, double xiDot) {
+    return std::max(c.smallestForce, c.kr * xi + c.kd * xiDot);
+  }
+  static double elasticForce(const NormalConstants& c, double xi) { return c.kr * xi; }
+  static double elasticEnergy(const NormalConstants& c, double xi) { return 0.5 * c.kr * xi * xi; }
+  static double tangentStiffness(const NormalConstants& c, double) { return c.kr; }
+  static double urgency(const NormalConstants& c, double, double) { return c.fixedUrgency; }
+
+  /// Dimensionless contact time w0 t until the force has fallen to zero (attraction: until the overlap has).
+  static double contactAngle(double z, bool attraction) {
+    if (z < 1.0) {
+      const double s = std::sqrt(1.0 - z * z);
+      return (std::numbers::pi - (attraction ? 0.0 : std::atan2(2.0 * z * s, 1.0 - 2.0 * z * z))) / s;
+    }
+    if (z == 1.0) return 2.0;
+    const double s = std::sqrt(z * z - 1.0);
+    return std::log((z + s) / (z - s)) / s;
+  }
+
+  /// z for a restitution: e = exp(-z tau(z)), by bisection. With attraction z < 1 (eq. 9 over eq. 10).
+  static double dampingForRestitution(double e, bool attraction) {
+    if (e >= 1.0) return 0.0;
+    if (attraction) return -std::log(e) / std::hypot(std::log(e), std::numbers::pi);
+    double low = 0.0, high = 1.0;
+    const auto restitution = [](double z) { return std::exp(-z * contactAngle(z, false)); };
+    while (restitution(high) > e) high *= 2.0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      (restitution(middle) > e ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  }
+
+  static NormalConstants constants(const NormalRequest& request) {
+    const double m = request.contact.mass;
+    double z = request.damping;
+    const double time = request.def.contactTime.value_or(
+        hertzContactTime(request.contact.hertzStiffness(), m, request.speed));
+    const double frequency = contactAngle(z, request.def.attraction) / time;
+    const double kr = request.def.stiffness.value_or(m * frequency * frequency);
+    const double kd = request.def.damping.value_or(2.0 * z * std::sqrt(m * kr));
+    z = 0.5 * kd / std::sqrt(m * kr);
+    const double contactTime = contactAngle(std::min(z, 0.9), false) / std::sqrt(kr / m);
+    return {.kr = kr,
+            .kd = kd,
+            .smallestForce = request.smallestForce(),
+            .stiffnessPerMass = kr / m,
+            .fixedUrgency = urgencyOfContactTime(contactTime)};
+  }
+};
+
+}  // namespace granular
