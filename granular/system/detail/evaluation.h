@@ -176,6 +176,7 @@ class Evaluation {
   CandidateIncidence incidence_;
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
+  bool slotsAreSorted_ = false;
   double largestMoveSquared_ = 0.0;
 
   bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): one law a candidate

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// The stage that offers pairs: where exact surfaces are, when the candidate list is made anew, and in which
+// order particles lie in memory.
+#include <cmath>
+#include <variant>
+
+#include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/stage_tools.h"
+
+namespace granular::detail {
+namespace {
+
+// List rebuilds between two sortings of the slots by cell: grains travel a few radii in that time.
+constexpr std::int64_t kRebuildsPerSort = 200;
+
+}  // namespace
+
+void Evaluation::placeSurface(std::int32_t s) {
+  const std::int32_t o = layout_.ownerOfSurface[s];
+  surfaces_[s].point = owners_[o].center;
+  if (const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].exact)) {
+    surfaces_[s].radius = ball->radius;
+  } else {
+    surfaces_[s].normal = rotations_[o].col(1);
+  }
+}
+
+/// How far any point of the surface near a particle has moved since the list was made, at most, m.
+double Evaluation::surfaceMove(std::int32_t s) const {
+  const SurfaceRow &now = surfaces_[s], &then = listedSurfaces_[s];
+  if (now.radius > 0.0) return (now.point - then.point).norm();
+  return std::abs(now.normal.dot(now.point) - then.normal.dot(then.point)) +
+         (now.normal - then.normal).norm() * listedExtent_;
+}
+
+void Evaluation::updateCandidates() {
+  const StageTimer timer(stageSeconds[static_cast<int>(Stage::UpdateCandidates)]);
+  const double halfSkin = 0.5 * list_.skin();
+  if (listIsCurrent_ && largestMoveSquared_ <= halfSkin * halfSkin) return;
+  if (!slotsAreSorted_ || ++rebuildsSinceSort_ > kRebuildsPerSort) sortSlots();
+  rebuildCandidates();
+}
+
+void Evaluation::sortSlots() {
+  slotsAreSorted_ = true;
+  rebuildsSinceSort_ = 0;
+  const std::int32_t dynamic = layout_.dynamicCount();
+  // Cells of a few grains, walked in Z-order (Morton 1966): neighbours in space become neighbours in memory.
+  const double edge = 4.0 * layout_.largestRadius;
+  const auto spread = [](std::uint64_t v) {  // 21 bits, two zero bits between each
+    v &= 0x1fffff;
+    v = (v | v << 32) & 0x1f00000000ffff;
+    v = (v | v << 16) & 0x1f0000ff0000ff;
+    v = (v | v << 8) & 0x100f00f00f00f00f;
+    v = (v | v << 4) & 0x10c30c30c30c30c3;
+    return (v | v << 2) & 0x1249249249249249;
+  };
+  std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(dynamic);
+  for (std::int32_t o = 0; o < dynamic; ++o) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell =
+          std::clamp(std::floor(owners_[o].center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
+      key |= spread(static_cast<std::uint64_t>(cell)) << axis;
+    }
+    keyed[o] = {key, o};
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::int32_t> order(dynamic);
+  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
+
+  const std::vector<ParticleRow> before = particles_;
+  const std::vector<std::int32_t> slotBefore = layout_.slotOfRank;
+  layout_.assignSlots(std::move(order));
+  for (std::int32_t rank = 0; rank < layout_.particleCount; ++rank) {
+    particles_[layout_.slotOfRank[rank]] = before[slotBefore[rank]];
+  }
+  list_.reset(layout_.particleCount, layout_.largestRadius, list_.skin());
+}
+
+void Evaluation::rebuildCandidates() {
+  ++listRebuilds;
+  const SearchInput input{.particles = particles_,
+                          .surfaces = surfaces_,
+                          .owner = layout_.ownerOfSlot,
+                          .rank = layout_.rankOfSlot,
+                          .slotOfRank = layout_.slotOfRank,
+                          .dynamicCount = layout_.dynamicParticles,
+                          .rules = &layout_.rules};
+  list_.rebuild(input, executor_);
+  incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
+  rememberList();
+  contacts_.resize(list_.size());
+  forces_.resize(list_.size());
+  contactOfCandidate_.resize(list_.size());
+  if (!lawsByKind_) makePairLaws();
+}
+
+/// What the list was made for, and which of its candidates have a memory.
+void Evaluation::rememberList() {
+  listedParticles_ = particles_;
+  listedSurfaces_ = surfaces_;
+  listIsCurrent_ = true;
+  listedExtent_ = 0.0;
+  if (!surfaces_.empty()) {
+    for (const ParticleRow& row : particles_) {
+      listedExtent_ = std::max(listedExtent_, Vector3(row.x, row.y, row.z).norm());
+    }
+  }
+  if (!hasMemory_) return;
+  memoryOfCandidate_.assign(list_.size(), -1);
+  contactMemory_.resize(list_.size());
+  for (std::int32_t m = 0; m < static_cast<std::int32_t>(memory_.size()); ++m) {
+    const std::int32_t slot = layout_.slotOfRank[memory_[m].rank1];
+    const auto begin = list_.partner().begin() + list_.rowStart()[slot];
+    const auto end = list_.partner().begin() + list_.rowStart()[slot + 1];
+    const auto found = std::lower_bound(
+        begin, end, memory_[m].rank2,
+        [&](std::int32_t partner, std::int32_t rank) { return layout_.rankOfSlot[partner] < rank; });
+    // A contact that is no longer even near has ended; settleMemory drops it.
+    if (found != end && layout_.rankOfSlot[*found] == memory_[m].rank2) {
+      memoryOfCandidate_[found - list_.partner().begin()] = m;
+    }
+  }
+}
+
+}  // namespace granular::detail

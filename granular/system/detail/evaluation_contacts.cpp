@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+// The stages that find contacts and work out their forces: which laws hold between which kinds of particles,
+// where two particles meet, and runs of contacts through the kernel compiled for their two laws.
+#include <limits>
+
+#include "granular/contact/law_list.h"
+#include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/stage_tools.h"
+
+namespace granular::detail {
+namespace {
+
+/// Line of centres for two particles in one place: any direction does, as long as it is always the same.
+const Vector3 kAnyDirection = Vector3::UnitY();
+
+}  // namespace
+
+PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
+  const auto side = [&](const ParticleKind& kind) {
+    const MaterialDef& material = materials_[kind.material];
+    return PairSide{
+        .contact = {kind.inverseMass, kind.inverseRadius, material.youngsModulus, material.poissonRatio},
+        .isBody = kind.isBody,
+        .bodyLength = kind.bodyLength,
+        .bodyArea = kind.bodyArea};
+  };
+  const ParticleKind &a = layout_.kinds[kindA], &b = layout_.kinds[kindB];
+  return makePairLaw(materialPairs_[a.material * materials_.size() + b.material], side(a), side(b));
+}
+
+void Evaluation::makePairLaws() {
+  if (lawsByKind_) {
+    const auto kinds = static_cast<std::int32_t>(layout_.kinds.size());
+    pairLaws_.assign(layout_.kinds.size() * layout_.kinds.size(), PairLaw{});
+    for (std::int32_t a = 0; a < kinds; ++a) {
+      for (std::int32_t b = 0; b < kinds; ++b) {
+        // Two planes, or two held things: they never meet, and nothing could be said of them.
+        const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
+        if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
+          pairLaws_[a * kinds + b] = makeLaw(a, b);
+        }
+      }
+    }
+    return;
+  }
+  pairLaws_.resize(list_.size());
+  executor_.forRanges(layout_.dynamicParticles, kRowsPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      for (std::int32_t c = list_.rowStart()[i]; c < list_.rowStart()[i + 1]; ++c) {
+        pairLaws_[c] = makeLaw(layout_.kindOfSlot[i], layout_.kindOfSlot[list_.partner()[c]]);
+      }
+    }
+  });
+}
+
+/// Which laws can occur at all: scenes without memory, and scenes with one kernel, pay for neither.
+void Evaluation::noteLaws() {
+  hasMemory_ = false;
+  oneKernel_ = true;
+  bool anyBody = false, anyGrain = false;
+  for (const ParticleKind& kind : layout_.kinds) (kind.isBody ? anyBody : anyGrain) = true;
+  const MaterialPairDef& first = materialPairs_.empty() ? MaterialPairDef{} : materialPairs_.front().def;
+  for (const MaterialPair& pair : materialPairs_) {
+    const ShearLaw shear = pair.def.shear.law;
+    hasMemory_ |= withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; });
+    oneKernel_ &= shear == first.shear.law && pair.def.normal.law == first.normal.law;
+    // Bodies meet under bodyNormal, at least one of them moving.
+    oneKernel_ &= !(anyBody && layout_.dynamicBodies > 0) || pair.def.bodyNormal.law == first.normal.law;
+  }
+}
+
+const PairLaw& Evaluation::pairLaw(const Contact& contact) const {
+  if (!lawsByKind_) return pairLaws_[contact.candidate];
+  return pairLaws_[layout_.kindOfSlot[contact.slot1] * layout_.kinds.size() +
+                   layout_.kindOfSlot[contact.slot2]];
+}
+
+void Evaluation::findContacts() {
+  const StageTimer timer(stageSeconds[static_cast<int>(Stage::FindContacts)]);
+  const std::int32_t rows = layout_.dynamicParticles;
+  const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
+  contactsInPiece_.assign(pieces, 0);
+  executor_.forPieces(pieces, [&](std::int32_t piece) {
+    const std::int32_t begin = piece * kRowsPerPiece;
+    const std::int32_t end = std::min(rows, begin + kRowsPerPiece);
+    const std::int32_t* rowStart = list_.rowStart().data();
+    const std::int32_t* partner = list_.partner().data();
+    std::int32_t n = rowStart[begin];
+    for (std::int32_t i = begin; i < end; ++i) {
+      const ParticleRow a = particles_[i];
+      for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
+        bool touches;
+        if (partner[c] < layout_.particleCount) {
+          const ParticleRow& b = particles_[partner[c]];
+          const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z, reach = a.radius + b.radius;
+          touches = dx * dx + dy * dy + dz * dz < reach * reach;
+        } else {
+          touches = surfaces_[partner[c] - layout_.particleCount].distance({a.x, a.y, a.z}) < a.radius;
+        }
+        contactOfCandidate_[c] = touches ? n : -1;
+        contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
+        n += touches;
+      }
+    }
+    contactsInPiece_[piece] = n - rowStart[begin];
+  });
+}
+
+/// The area, m^2, that a contact of bodies stands for: what its particle shows along N; of two particles,
+/// what both together do as springs one behind the other.
+double Evaluation::contactArea(const Contact& contact, const Vector3& N) const {
+  const auto areaOf = [&](std::int32_t slot) {
+    const std::int32_t o = layout_.ownerOfSlot[slot];
+    const Owner& owner = layout_.owners[o];
+    return Layout::areaAlong(owner, layout_.rankOfSlot[slot] - owner.firstRank,
+                             rotations_[o].transpose() * N);
+  };
+  const double first = areaOf(contact.slot1);
+  if (contact.slot2 >= layout_.particleCount) return first;
+  const double second = areaOf(contact.slot2);
+  return first * second / (first + second);
+}
+
+/// False where the test of findContacts and the exact overlap disagree by rounding.
+template <class Normal, class Shear>
+bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) const {
+  const ParticleRow& a = particles_[contact.slot1];
+  const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
+  const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
+  const Vector3 x1(a.x, a.y, a.z);
+  const bool isPlane = contact.slot2 >= layout_.particleCount &&
+                       surfaces_[contact.slot2 - layout_.particleCount].radius == 0.0;
+  Vector3 x2 = Vector3::Zero();
+  double distance = 0.0;
+  if (isPlane) {
+    const SurfaceRow& plane = surfaces_[contact.slot2 - layout_.particleCount];
+    g.xi = a.radius - plane.distance(x1);
+    g.N = -plane.normal;
+    g.point = x1 + (a.radius - g.xi) * g.N;
+  } else {
+    double radius2;
+    if (contact.slot2 < layout_.particleCount) {
+      const ParticleRow& b = particles_[contact.slot2];
+      x2 = {b.x, b.y, b.z};
+      radius2 = b.radius;
+    } else {
+      x2 = surfaces_[contact.slot2 - layout_.particleCount].point;
+      radius2 = surfaces_[contact.slot2 - layout_.particleCount].radius;
+    }
+    distance = (x2 - x1).norm();
+    g.xi = a.radius + radius2 - distance;                                  // eq. 1
+    g.N = distance > 0.0 ? Vector3((x2 - x1) / distance) : kAnyDirection;  // eq. 2
+    g.point = x1 + (a.radius - 0.5 * g.xi) * g.N;
+  }
+  if (!(g.xi > 0.0)) return false;
+  g.V = owner1.velocity + owner1.angularVelocity.cross(g.point - owner1.center) - owner2.velocity -
+        owner2.angularVelocity.cross(g.point - owner2.center);  // eq. 3
+  if constexpr (Normal::kByArea) g.share = contactArea(contact, g.N);
+  if constexpr (Shear::kHasMemory) {
+    // The contact's frame turns with its normal, and about it as the two owners do on average.
+    const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
+    Vector3 swing = isPlane ? owner2.angularVelocity : Vector3(Vector3::Zero());
+    if (!isPlane && distance > 0.0) {
+      const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - owner2.center) -
+                              owner1.velocity - owner1.angularVelocity.cross(x1 - owner1.center);
+      swing = g.N.cross(centers) / distance;
+    }
+    g.turning = swing - swing.dot(g.N) * g.N + twist * g.N;
+  }
+  return true;
+}
+
+template <class Normal, class Shear>
+void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate,
+                             double onsetWindow, Extremes& extremes) {
+  for (std::int32_t n = begin; n < end; ++n) {
+    const Contact& contact = contacts_[n];
+    ContactGeometry g;
+    if (!contactGeometry<Normal, Shear>(contact, g)) {
+      forces_[n] = {Vector3::Zero(), g.point, 0.0, 0.0};
+      if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
+      continue;
+    }
+    const PairLaw& law = pairLaw(contact);
+    const double xiDot = g.V.dot(g.N);
+    Vector3 D = Vector3::Zero();
+    ContactMemory* memory = nullptr;
+    std::int32_t entry = -1;
+    if constexpr (Shear::kHasMemory) {
+      memory = &contactMemory_[n];
+      entry = memoryOfCandidate_[contact.candidate];
+      if (entry >= 0) {
+        D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
+      } else if (xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
+        D = std::min(g.xi / xiDot, onsetWindow) * (g.V - xiDot * g.N);
+      }
+    }
+    const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
+    if constexpr (Shear::kHasMemory) {
+      if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
+    }
+    forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+    extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
+    extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
+  }
+}
+
+void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<double>& rate,
+                                      double onsetWindow) {
+  const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
+  const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
+  pieceMaximum_.assign(pieces, 0.0);
+  pieceMaximum2_.assign(pieces, 0.0);
+  if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
+  executor_.forPieces(pieces, [&](std::int32_t piece) {
+    std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
+    const std::int32_t end = begin + contactsInPiece_[piece];
+    Extremes extremes;
+    while (begin < end) {  // runs of one pair of laws, compiled for just these two
+      const PairLaw& law = pairLaw(contacts_[begin]);
+      std::int32_t stop = oneKernel_ ? end : begin + 1;
+      while (stop < end && pairLaw(contacts_[stop]).sameKernel(law)) ++stop;
+      withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+        withShearLaw(law.shearLaw, [&]<class Shear>(Shear) {
+          forcesOfRun<Normal, Shear>(begin, stop, y.data(), rate.data(), onsetWindow, extremes);
+        });
+      });
+      begin = stop;
+    }
+    pieceMaximum_[piece] = extremes.urgency;
+    pieceMaximum2_[piece] = extremes.overlap;
+  });
+  summary_.urgency = maximum(pieceMaximum_, pieces);
+  summary_.largestOverlap = maximum(pieceMaximum2_, pieces);
+  summary_.contacts = 0;
+  for (const std::int32_t count : contactsInPiece_) summary_.contacts += count;
+}
+
+double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {
+  const double radius1 = particles_[contact.slot1].radius;
+  if (contact.slot2 >= layout_.particleCount) return overlap / radius1;
+  return overlap / std::min(radius1, particles_[contact.slot2].radius);
+}
+
+double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& force) const {
+  const PairLaw& law = pairLaw(contact);
+  return withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+    const double energy = Normal::elasticEnergy(law.normal, force.overlap);
+    if constexpr (!Normal::kByArea) return energy;
+    ContactGeometry g;
+    return contactGeometry<Normal, RegularisedCoulomb>(contact, g) ? g.share * energy : 0.0;
+  });
+}
+
+double Evaluation::referenceContactTime() const {
+  double shortest = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const PairLaw& law) {
+    shortest = std::min(shortest, withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
+                          return contactTimeOfUrgency(Normal::urgency(law.normal, 0.0, 1.0));
+                        }));
+  };
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(layout_.kinds.size()); ++k) {
+    if (layout_.kinds[k].inverseMass > 0.0 && layout_.kinds[k].inverseRadius > 0.0) consider(makeLaw(k, k));
+  }
+  return shortest;
+}
+
+}  // namespace granular::detail

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Small things that the stages of an evaluation share.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace granular::detail {
+
+/// Rows of the candidate list handed to a thread at a time. Fixed, so that pieces are the same for any number
+/// of threads.
+inline constexpr std::int32_t kRowsPerPiece = 512;
+
+/// Adds its own lifetime to a stage's wall time, s.
+class StageTimer {
+ public:
+  explicit StageTimer(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+  ~StageTimer() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StageTimer(const StageTimer&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// Largest of the first `count` values, none < 0.
+inline double maximum(const std::vector<double>& values, std::int32_t count) {
+  double largest = 0.0;
+  for (std::int32_t i = 0; i < count; ++i) largest = std::max(largest, values[i]);
+  return largest;
+}
+
+}  // namespace granular::detail

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// What a GranularSystem holds: what the host added, the state it is in, and the stages of its step.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "granular/contact/pair_law.h"
+#include "granular/dynamics/rkf45.h"
+#include "granular/dynamics/step_control.h"
+#include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/layout.h"
+#include "granular/system/granular_system.h"
+
+namespace granular {
+
+namespace detail {
+
+struct GrainRecord {
+  GrainShapeId shape;
+  MaterialId material;
+  double scale = 1.0;
+  double mass = 0.0;
+  Vector3 inertia = Vector3::Zero();
+  ContactFilter filter;
+  std::uint32_t generation = 0;
+  bool alive = false;
+};
+
+struct BodyRecord {
+  BodyMotion motionType = BodyMotion::Static;
+  Covering covering;
+  std::optional<ExactSurface> exact;
+  std::vector<ShapeParticle> particles;
+  double reach = 0.0;
+  MaterialId material;
+  double mass = 0.0;
+  Vector3 inertia = Vector3::Zero();
+  Vector3 linearFactor = Vector3::Ones(), angularFactor = Vector3::Ones();
+  ContactFilter filter;
+  std::optional<Vector3> gravity;
+  Wrench load;
+  Wrench impulse;  // of contacts during the last step
+  RigidMotion motion;
+  std::uint32_t generation = 0;
+  bool alive = false;
+};
+
+}  // namespace detail
+
+class GranularSystem::Impl {
+ public:
+  explicit Impl(const SystemDef& def)
+      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads) {}
+
+  // ---- what the host added
+  Vector3 gravity;
+  IntegratorDef integrator;
+  std::vector<MaterialDef> materials;
+  std::map<std::pair<std::int32_t, std::int32_t>, MaterialPairDef> pairDefs;
+  std::vector<GrainShape> shapes;
+  std::vector<detail::GrainRecord> grains;
+  std::vector<RigidMotion> grainMotions;  // principal frame, as published
+  std::vector<detail::BodyRecord> bodies;
+  std::vector<std::int32_t> freeGrains, freeBodies;
+  std::vector<std::uint64_t> excludedPairs;  // of body indices
+  std::int32_t aliveGrains = 0, aliveBodies = 0;
+
+  // ---- the state
+  detail::Evaluation evaluation;
+  std::vector<std::int32_t> ownerOfGrain, ownerOfBody;  // in the layout; -1 when not there
+  std::vector<double> y;
+  Rkf45 stepper;
+  StepControl control{Rkf45Table::kErrorOrder};
+  double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
+  double time = 0.0;
+  double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;
+  bool layoutIsOld = true;
+  double lastSubStep = 0.0;                // just accepted, s; 0 once its end has been evaluated
+  bool startIsCurrent = false;             // the stepper's first stage is that of the present state,
+  detail::EvaluationSummary startSummary;  // and this is what it saw
+
+  // ---- look-ups that check
+  const detail::GrainRecord& grain(GrainId id) const;
+  detail::BodyRecord& body(BodyId id);
+  const detail::BodyRecord& body(BodyId id) const;
+  void checkMaterialId(MaterialId id, std::string_view field) const;
+
+  // ---- stages of a step
+  void prepare();
+  void makeLayout();
+  std::vector<MaterialPair> combineAllMaterials() const;
+  void loadSurroundings();
+  void loadState();
+  StepReport step(double dt);
+  double integrate(double dt, StepReport& report);
+  double trialBound(const detail::EvaluationSummary& seen) const;
+  double scaledError() const;
+  void acceptTrial();
+  void storeState(double dt);
+  void quarantineNonFinite(StepReport& report);
+  void removeGrain(std::int32_t index);
+  void measure(StepReport& report);
+
+  void evaluateNow(double t);
+  void surroundingsChanged();
+  void writeOwner(std::int32_t o, const RigidMotion& motion);
+  RigidMotion readOwner(std::int32_t o) const;
+};
+
+}  // namespace granular

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// From what the host added to a layout and a state vector, and back.
+#include <algorithm>
+#include <cmath>
+
+#include "granular/base/require.h"
+#include "granular/system/detail/system_impl.h"
+
+namespace granular {
+
+namespace state = detail::state;
+using detail::BodyRecord;
+using detail::GrainRecord;
+
+const GrainRecord& GranularSystem::Impl::grain(GrainId id) const {
+  const bool known = id.index >= 0 && id.index < static_cast<std::int32_t>(grains.size()) &&
+                     grains[id.index].alive && grains[id.index].generation == id.generation;
+  require(known, "GrainId", id.index, "", "the id of a grain that is in the system");
+  return grains[id.index];
+}
+
+const BodyRecord& GranularSystem::Impl::body(BodyId id) const {
+  const bool known = id.index >= 0 && id.index < static_cast<std::int32_t>(bodies.size()) &&
+                     bodies[id.index].alive && bodies[id.index].generation == id.generation;
+  require(known, "BodyId", id.index, "", "the id of a body that is in the system");
+  return bodies[id.index];
+}
+
+BodyRecord& GranularSystem::Impl::body(BodyId id) {
+  return const_cast<BodyRecord&>(std::as_const(*this).body(id));
+}
+
+void GranularSystem::Impl::checkMaterialId(MaterialId id, std::string_view field) const {
+  require(id.index >= 0 && id.index < static_cast<std::int32_t>(materials.size()), field, id.index, "",
+          "an id that addMaterial returned");
+}
+
+void GranularSystem::Impl::prepare() {
+  if (!layoutIsOld) return;
+  const std::vector<detail::RememberedContact> memory = evaluation.exportMemory(y);
+  makeLayout();
+  loadSurroundings();
+  evaluation.reset(combineAllMaterials(), materials);
+  contactTimeAtReference = evaluation.referenceContactTime();
+  loadState();
+  evaluation.importMemory(memory, y);
+  layoutIsOld = false;
+  startIsCurrent = false;
+}
+
+void GranularSystem::Impl::surroundingsChanged() {
+  if (layoutIsOld) return;
+  loadSurroundings();
+  startIsCurrent = false;
+}
+
+void GranularSystem::Impl::makeLayout() {
+  detail::Layout& layout = evaluation.layout();
+  layout = {};
+  ownerOfGrain.assign(grains.size(), -1);
+  ownerOfBody.assign(bodies.size(), -1);
+  for (std::int32_t g = 0; g < static_cast<std::int32_t>(grains.size()); ++g) {
+    const GrainRecord& record = grains[g];
+    if (!record.alive) continue;
+    const GrainShape& shape = shapes[record.shape.index];
+    detail::Owner owner;
+    owner.kind = OwnerKind::Grain;
+    owner.index = g;
+    owner.particles = shape.particles;
+    owner.scale = record.scale;
+    owner.inverseMass = 1.0 / record.mass;
+    owner.inertia = record.inertia;
+    owner.inverseInertia = record.inertia.cwiseInverse();
+    owner.isotropic = shape.isotropic;
+    owner.reach = record.scale * shape.boundingRadius;
+    owner.material = record.material.index;
+    owner.filter = record.filter;
+    ownerOfGrain[g] = static_cast<std::int32_t>(layout.owners.size());
+    layout.owners.push_back(owner);
+  }
+  layout.dynamicGrains = static_cast<std::int32_t>(layout.owners.size());
+  for (const BodyMotion type : {BodyMotion::Dynamic, BodyMotion::Kinematic, BodyMotion::Static}) {
+    for (std::int32_t b = 0; b < static_cast<std::int32_t>(bodies.size()); ++b) {
+      const BodyRecord& record = bodies[b];
+      if (!record.alive || record.motionType != type) continue;
+      detail::Owner owner;
+      owner.kind = OwnerKind::Body;
+      owner.index = b;
+      owner.particles = record.particles;
+      owner.areas = record.covering.areas;
+      if (record.exact) owner.exact = &*record.exact;
+      owner.reach = record.reach;
+      owner.material = record.material.index;
+      owner.filter = record.filter;
+      if (type == BodyMotion::Dynamic) {
+        owner.inverseMass = 1.0 / record.mass;
+        owner.inertia = record.inertia;
+        owner.inverseInertia = record.inertia.cwiseInverse();
+        owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
+        owner.linearFactor = record.linearFactor;
+        owner.angularFactor = record.angularFactor;
+        owner.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
+        owner.isLocked = owner.freeAxes != Vector3::Ones();
+        ++layout.dynamicBodies;
+      } else if (type == BodyMotion::Kinematic) {
+        ++layout.kinematicBodies;
+      }
+      ownerOfBody[b] = static_cast<std::int32_t>(layout.owners.size());
+      layout.owners.push_back(owner);
+    }
+  }
+  std::vector<std::uint64_t> excludedOwners;
+  for (const std::uint64_t pair : excludedPairs) {
+    const std::int32_t a = ownerOfBody[pair >> 32], b = ownerOfBody[pair & 0xffffffffu];
+    if (a >= 0 && b >= 0) excludedOwners.push_back(MeetingRules::pairKey(a, b));
+  }
+  layout.finish(excludedOwners);
+}
+
+std::vector<MaterialPair> GranularSystem::Impl::combineAllMaterials() const {
+  const auto count = static_cast<std::int32_t>(materials.size());
+  std::vector<MaterialPair> pairs(materials.size() * materials.size());
+  for (std::int32_t a = 0; a < count; ++a) {
+    for (std::int32_t b = a; b < count; ++b) {
+      const auto found = pairDefs.find({a, b});
+      const MaterialPairDef def = found == pairDefs.end() ? MaterialPairDef{} : found->second;
+      pairs[a * count + b] = pairs[b * count + a] = combineMaterials(materials[a], materials[b], def);
+    }
+  }
+  return pairs;
+}
+
+void GranularSystem::Impl::loadSurroundings() {
+  detail::Surroundings& s = evaluation.surroundings();
+  const detail::Layout& layout = evaluation.layout();
+  s.gravity = gravity;
+  s.bodyGravity.clear();
+  s.bodyLoad.clear();
+  s.kinematic.clear();
+  s.fixed.clear();
+  for (std::int32_t o = layout.dynamicGrains; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
+    const BodyRecord& record = bodies[layout.owners[o].index];
+    if (record.motionType == BodyMotion::Dynamic) {
+      s.bodyGravity.push_back(record.gravity.value_or(gravity));
+      s.bodyLoad.push_back(record.load);
+    } else {
+      (record.motionType == BodyMotion::Kinematic ? s.kinematic : s.fixed).push_back(record.motion);
+    }
+  }
+}
+
+void GranularSystem::Impl::writeOwner(std::int32_t o, const RigidMotion& motion) {
+  double* own = y.data() + o * state::kSize;
+  const detail::Owner& owner = evaluation.layout().owners[o];
+  const Quaternion& q = motion.pose.orientation;
+  Eigen::Map<Vector3>(own + state::kPosition) = motion.pose.position;
+  own[state::kOrientation] = q.w();
+  own[state::kOrientation + 1] = q.x();
+  own[state::kOrientation + 2] = q.y();
+  own[state::kOrientation + 3] = q.z();
+  Eigen::Map<Vector3>(own + state::kVelocity) = motion.velocity;
+  const Vector3 momentum = q * owner.inertia.cwiseProduct(q.conjugate() * motion.angularVelocity);
+  Eigen::Map<Vector3>(own + state::kAngularMomentum) = momentum;
+}
+
+RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
+  const double* own = y.data() + o * state::kSize;
+  const detail::Owner& owner = evaluation.layout().owners[o];
+  const double* q = own + state::kOrientation;
+  RigidMotion motion;
+  motion.pose = {Eigen::Map<const Vector3>(own + state::kPosition), Quaternion(q[0], q[1], q[2], q[3])};
+  motion.velocity = Eigen::Map<const Vector3>(own + state::kVelocity);
+  const Vector3 angularMomentum = Eigen::Map<const Vector3>(own + state::kAngularMomentum);
+  motion.angularVelocity =
+      motion.pose.orientation *
+      owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * angularMomentum);
+  if (owner.isLocked) motion.angularVelocity = owner.freeAxes.cwiseProduct(motion.angularVelocity);
+  return motion;
+}
+
+void GranularSystem::Impl::loadState() {
+  const detail::Layout& layout = evaluation.layout();
+  y.assign(evaluation.stateSize(), 0.0);
+  for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
+    const detail::Owner& owner = layout.owners[o];
+    writeOwner(o, owner.kind == OwnerKind::Grain ? grainMotions[owner.index] : bodies[owner.index].motion);
+  }
+}
+
+}  // namespace granular
