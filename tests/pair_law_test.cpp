@@ -173,11 +173,21 @@ TEST(StaticFriction, SettlingChangesNoForce) {
   }
 }
 
-TEST(Coulomb, PushesWithFullFrictionOnceItSlides) {
+TEST(Coulomb, PushesWithFullFrictionAsSoonAsItSlides) {
   const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 Vt(0.0, 0.0, 0.2);
-  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, Vector3::Zero()).isApprox(Vector3(0, 0, -5.0)));
+  const Vector3 D = Coulomb::begun(c, 10.0, 1e6, Vt, Vector3::Zero());
+  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, D).isApprox(Vector3(0, 0, -5.0)));
+  // It follows the velocity at once where eq. 19 would have to turn its spring.
+  const Vector3 turned(0.2, 0.0, 0.0);
+  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, turned, 1.01 * D).isApprox(Vector3(-5.0, 0, 0)));
+}
+
+TEST(Coulomb, HoldsAtRest) {
+  const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   EXPECT_EQ(Coulomb::force(c, 10.0, 1e6, Vector3::Zero(), Vector3::Zero()), Vector3::Zero());
+  const Vector3 D(2e-6, 0, 0);
+  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vector3::Zero(), D).isApprox(Vector3(-2.0, 0, 0)));
 }
 
 TEST(PairLaw, DefaultViscosityStopsSlidingWithinOneContactTime) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "granular/base/pose.h"
 #include "granular/contact/law_constants.h"
@@ -18,6 +19,7 @@ struct ContactGeometry {
   Vector3 V = Vector3::Zero();      ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
   Vector3 turning =
       Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
+  bool isNew = false;   ///< begun within the present trial; laws with memory only
   double share = 1.0;   ///< area, m^2, that laws by area are multiplied with
 };
 
@@ -36,6 +38,12 @@ struct ContactResult {
   double dissipation = 0.0;         ///< power turned into heat, W
 };
 
+/// Exponent p of kt ~ xi^p.
+template <class Normal>
+double stiffnessPower(const ShearConstants& shear) {
+  return shear.stiffness > 0.0 ? 0.0 : Normal::kStiffnessPower;
+}
+
 /// D, m: displacement that the contact remembers. memory: filled for laws that have one, may be null for
 /// others.
 template <class Normal, class Shear>
@@ -50,15 +58,23 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
   if constexpr (Shear::kHasMemory) {  // eqs. 17, 19
     const double kn = Normal::tangentStiffness(normal, g.xi);
     const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
-    const Vector3 Dt = D - D.dot(g.N) * g.N;
+    const double growth = stiffnessPower<Normal>(shear) * xiDot / g.xi;  // kt' / kt
     const double friction = std::max(0.0, fn);
-    Ft = Shear::force(shear, friction, kt, Vt, Dt);
-    memory->rate = Vt + g.turning.cross(Dt);
-    memory->displacement = Shear::settled(shear, friction, kt, Vt, Dt);
+    const Vector3 Dt = D - D.dot(g.N) * g.N;
+    const Vector3 held = g.isNew ? Shear::begun(shear, friction, kt, Vt, Dt) : Dt;
+    Ft = Shear::force(shear, friction, kt, Vt, held);
+    // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
+    // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
+    // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper.
+    memory->rate = Vt - std::max(0.0, growth) * Dt + g.turning.cross(Dt);
+    memory->displacement = Shear::settled(shear, friction, kt, Vt, held);
     memory->energy = 0.5 * g.share * kt * memory->displacement.squaredNorm();
     memory->loss = 0.5 * g.share * kt * Dt.squaredNorm() - memory->energy;
-    memory->heating = g.share * kt * (Dt - memory->displacement).dot(Vt);
-    heat -= Ft.dot(Vt) + kt * Dt.dot(Vt);
+    const auto heating = [&](const Vector3& d) {  // what the spring at d takes from the power of friction
+      return kt * d.dot(Vt) - 0.5 * std::abs(growth) * kt * d.squaredNorm();
+    };
+    memory->heating = g.share * (heating(Dt) - heating(memory->displacement));
+    heat -= Ft.dot(Vt) + heating(Dt);
   } else {  // eqs. 16, 18
     Ft = Shear::force(shear, std::max(0.0, fn), Vt);
     heat -= Ft.dot(Vt);

@@ -19,6 +19,7 @@ namespace granular {
 
 struct ElasticFoundation {
   static constexpr bool kByArea = true;
+  static constexpr double kStiffnessPower = 0.0;  // tangentStiffness ~ xi^p
 
   /// Pressure, N/m^2 of area. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
   static double force(const NormalConstants& c, double xi, double xiDot) {

@@ -16,6 +16,7 @@ template <int AlphaTimesFour>
 struct Hertz {
   static constexpr double kAlpha = AlphaTimesFour / 4.0;
   static constexpr bool kByArea = false;
+  static constexpr double kStiffnessPower = 0.5;  // tangentStiffness ~ xi^p
 
   static double elasticForce(const NormalConstants& c, double xi) { return c.kr * xi * std::sqrt(xi); }
   static double elasticEnergy(const NormalConstants& c, double xi) {

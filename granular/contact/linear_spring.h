@@ -18,6 +18,7 @@ namespace granular {
 
 struct LinearSpring {
   static constexpr bool kByArea = false;
+  static constexpr double kStiffnessPower = 0.0;  // tangentStiffness ~ xi^p
 
   /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
   static double force(const NormalConstants& c, double xi, double xiDot) {

@@ -25,6 +25,10 @@ struct StaticFriction {
     return (limited(c.mu * fn, T) - c.dashpot * Vt) / kt;
   }
 
+  /// D of a contact that has just begun and slid as far as D, m.
+  static Vector3 begun(const ShearConstants&, double, double, const Vector3&, const Vector3& D) { return D; }
+
+  /// T, or as much of it as the limit allows, N.
   static Vector3 limited(double limit, const Vector3& T) {
     const double size = T.norm();
     return size > limit ? Vector3(limit / size * T) : T;

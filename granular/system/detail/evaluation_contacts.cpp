@@ -191,8 +191,9 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double*
       entry = memoryOfCandidate_[contact.candidate];
       if (entry >= 0) {
         D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
-      } else if (xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-        D = std::min(g.xi / xiDot, onsetWindow) * (g.V - xiDot * g.N);
+      } else if (g.isNew = true; xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
+        D = std::min(g.xi / xiDot, onsetWindow) / (1.0 + stiffnessPower<Normal>(law.shear)) *
+            (g.V - xiDot * g.N);
       }
     }
     const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
