@@ -2,6 +2,8 @@
 #include "demos/body_covering.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "granular/geometry/mesh_distance.h"
 #include "granular/geometry/mesh_primitives.h"
@@ -15,6 +17,12 @@ using granular::CoverReport;
 using granular::MeshDistance;
 using granular::TriangleMesh;
 
+// Floaters stop when they move by less than this, in particle radii. Ten times coarser than coverMesh's
+// default and ten times faster on a large floor (5 s instead of 60 s for 16,000 particles); holes are closed
+// all the same.
+constexpr double kConvergence = 0.02;
+constexpr double kRoughnessDensity = 0.3;
+
 /// Settings for the layer that must hold the grains back.
 CoverDef mainLayer(const CoveringPart& def, double smallestGrainRadius, int threads) {
   CoverDef cover;
@@ -22,18 +30,23 @@ CoverDef mainLayer(const CoveringPart& def, double smallestGrainRadius, int thre
   cover.density = def.layer.density;
   cover.offset = def.layer.offset;
   cover.smallestGrainRadius = smallestGrainRadius;
+  cover.convergence = kConvergence;
   cover.seed = def.seed;
   cover.threads = threads;
   return cover;
 }
 
-/// Settings for the layer of roughness: it may be sparse, so its holes are left as they come.
-CoverDef roughLayer(const CoveringPart& def, double extent, int threads) {
+/// Settings for the layer of roughness: it may be sparse, so its holes are left as they come. The bound of
+/// three times the spacing of an even layer of that density is never met, but keeps the search for holes
+/// short.
+CoverDef roughLayer(const CoveringPart& def, int threads) {
   CoverDef cover;
   cover.particleRadius = def.roughness->particleRadius;
-  cover.density = def.roughness->density.value_or(0.3);
+  cover.density = def.roughness->density.value_or(kRoughnessDensity);
   cover.offset = def.roughness->offset.value_or(0.0);
-  cover.largestHole = extent;
+  cover.largestHole =
+      3.0 * cover.particleRadius * std::sqrt(2.0 * std::numbers::pi / (std::sqrt(3.0) * *cover.density));
+  cover.convergence = kConvergence;
   cover.seed = def.seed + 1;
   cover.threads = threads;
   return cover;
@@ -61,7 +74,7 @@ Covering coverPatch(const PlanePatchShape& patch, const CoverDef& def, BodyCover
   const double depth = -def.offset.value_or(-def.particleRadius);
   CoverReport report;
   Covering covering = granular::coverMesh(
-      slabUnder(patch, 8.0 * def.particleRadius + 4.0 * std::max(0.0, depth)), def, &report);
+      slabUnder(patch, 6.0 * def.particleRadius + 2.0 * std::max(0.0, depth)), def, &report);
   keepOnly(covering, [&](const Vector3& p, double r) { return p.y() > -depth - 0.5 * r; });
   report.particleCount = static_cast<std::int64_t>(covering.positions.size());
   result.reports.push_back(report);
@@ -101,8 +114,7 @@ BodyCovering coverSolid(const BodyShapeDef& shape, const BodySolid& solid, const
                      patch ? coverPatch(*patch, cover, result) : coverParts(solid, cover, result));
   };
   addLayer(mainLayer(def, smallestGrainRadius, threads));
-  if (def.roughness)
-    addLayer(roughLayer(def, granular::boundingBox(joinedMesh(solid)).size().norm(), threads));
+  if (def.roughness) addLayer(roughLayer(def, threads));
   return result;
 }
 
