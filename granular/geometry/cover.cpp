@@ -25,8 +25,9 @@ constexpr double kHoleMargin =
 constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
 constexpr double kThinDepth =
     0.9;  // of half the thickness: far enough from the middle for a clear direction outwards
-constexpr double kThinCosine =
-    -0.5;  // a part is thin, not just near an edge, where its sides are within 60 deg of parallel
+constexpr double kThinReach =
+    0.5;  // of the ball that fits: the other side is as near as this to the point across
+constexpr int kMostShrinks = 30;  // of that ball; three or four are usual
 constexpr double kResolved =
     0.25;  // of r: where the iso-surface is this near to the true one, it stands for it
 constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surface, 0 in the middle of a part
@@ -193,29 +194,30 @@ class Coverer {
     return Spot{center, set_.offset, true};
   }
 
-  /// Shrinks a ball that touches the surface in s from within until nothing of the surface is inside it (the
-  /// shrinking ball of Ma, Bae & Choi 2012). At full size its centre is on the offset surface. Smaller, it
-  /// touches twice: where the two sides are nearly parallel the part is thin; otherwise s is near an edge,
-  /// which its surroundings cover.
+  /// Shrinks a ball that touches the surface in s from within until it touches elsewhere too (the shrinking
+  /// ball of Ma, Bae & Choi 2012); a touch close to s, as faceted surfaces have everywhere, does not count.
+  /// At full size the centre is on the offset surface. Smaller, the part is thin if its other side is near
+  /// the point across the ball from s; otherwise s is near an edge, which its surroundings cover.
   std::optional<Spot> spotBelow(const SurfacePoint& s, std::int32_t& hint) const {
     double depth = -set_.offset;
-    Vector3 other = s.point;
-    bool isSmaller = false;
-    for (int attempt = 0; attempt < 30; ++attempt) {
-      const auto hit = exact_.nearestWithin(s.point - depth * s.normal, depth * (1.0 - 1e-6), hint);
+    std::optional<NearestPoint> hit;
+    for (int attempt = 0; attempt < kMostShrinks; ++attempt) {
+      hit = exact_.nearestWithin(s.point - depth * s.normal, depth * (1.0 - 1e-6), hint);
       if (!hit) break;
       hint = hit->triangle;
-      other = hit->point;
-      isSmaller = true;
-      const Vector3 across = s.point - other;
+      const Vector3 across = s.point - hit->point;
       const double height = across.dot(s.normal);
       if (!(height > 0.0)) return std::nullopt;
-      depth = std::min(depth, 0.5 * across.squaredNorm() / height);
+      const double smaller = 0.5 * across.squaredNorm() / height;
+      if (across.norm() < smaller) break;  // seen from the centre less than 60 degrees from s
+      depth = std::min(depth, smaller);
     }
-    if (!isSmaller) return Spot{s.point - depth * s.normal, set_.offset, true};
-    const Vector3 toOther = other - (s.point - depth * s.normal);
-    if (toOther.dot(s.normal) > kThinCosine * toOther.norm()) return std::nullopt;
-    return Spot{s.point - kThinDepth * depth * s.normal, -kThinDepth * depth, true};
+    if (depth == -set_.offset)
+      return hit ? std::nullopt : std::optional(Spot{s.point - depth * s.normal, set_.offset, true});
+    if (!exact_.nearestWithin(s.point - 2.0 * depth * s.normal, kThinReach * depth, hint))
+      return std::nullopt;
+    const Vector3 middle = s.point - kThinDepth * depth * s.normal;
+    return Spot{middle, exact_.nearest(middle, hint).signedDistance, true};
   }
 
   SurfaceSample exactSurface(std::int32_t i, const Vector3& p) {
