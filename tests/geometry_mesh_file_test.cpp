@@ -229,7 +229,7 @@ TEST_F(MeshFile, CutShortAnywhereIsRefusedOrStillAMesh) {
 
 TEST_F(MeshFile, OfOurOwnIsASolid) {
   for (const char* name : {"ball", "ring", "camel", "star", "wedge"}) {
-    const auto file = std::filesystem::path(GRANULAR_MESHES_FOLDER) / (std::string(name) + ".obj");
+    const auto file = std::filesystem::path(GRANULAR_MESH_DIR) / (std::string(name) + ".obj");
     const MeshReport report = checkMesh(readMeshFile(file));
     EXPECT_TRUE(report.isSolid()) << name << ": " << report.text();
     EXPECT_EQ(report.degenerateTriangles.count, 0) << name;
@@ -239,7 +239,7 @@ TEST_F(MeshFile, OfOurOwnIsASolid) {
 
 TEST_F(MeshFile, OfACamelCanBeCovered) {
   CoverReport report;
-  const TriangleMesh camel = readMeshFile(std::filesystem::path(GRANULAR_MESHES_FOLDER) / "camel.obj");
+  const TriangleMesh camel = readMeshFile(std::filesystem::path(GRANULAR_MESH_DIR) / "camel.obj");
   coverMesh(camel, {.particleRadius = 0.03}, &report);
   EXPECT_TRUE(report.holesClosed) << report.text();
   EXPECT_LT(report.envelopeMean, 0.4 * 0.03);

@@ -8,5 +8,3 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/geometry_cover_test.cpp)
 list(APPEND GRANULAR_MESH_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/geometry_mesh_file_test.cpp)
-set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/geometry_mesh_file_test.cpp PROPERTIES
-  COMPILE_DEFINITIONS GRANULAR_MESHES_FOLDER="${CMAKE_CURRENT_LIST_DIR}/../meshes")

@@ -88,50 +88,70 @@ void checkStl(const std::filesystem::path& path, std::int64_t size) {
   requireRoom(path, "triangles", count, kStlTriangle, size - kStlHeader);
 }
 
-/// Fewest bytes that one value of a PLY property can take.
-double plyBytes(const std::string& type, bool isText) {
+/// Bytes of one value of a PLY type; 0 for a type there is not.
+double plyBytes(const std::string& type) {
   static const std::map<std::string, double> kBytes = {
       {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
       {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
       {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   const auto known = kBytes.find(type);
-  return isText || known == kBytes.end() ? 1.0 : known->second;
+  return known == kBytes.end() ? 0.0 : known->second;
 }
 
-/// An announced element: how many, and the fewest bytes each takes.
+/// What a PLY header announces: how many of an element, and the fewest bytes each takes.
 struct PlyElement {
   std::string name;
   double count = 0.0, bytes = 0.0;
 };
 
-void checkPly(const std::filesystem::path& path, std::int64_t size) {
+PlyElement readPlyElement(const std::filesystem::path& path, const std::string& line) {
+  std::istringstream words(line);
+  std::string keyword;
+  PlyElement element;
+  words >> keyword >> element.name >> element.count;
+  const bool isName = std::all_of(element.name.begin(), element.name.end(),
+                                  [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+  if (!words || element.count < 0.0 || !isName) refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
+  return element;
+}
+
+/// Fewest bytes of one property: a list counts by its length alone, text by one digit and a blank.
+double readPlyProperty(const std::filesystem::path& path, const std::string& line, bool isText) {
+  std::istringstream words(line);
+  std::string keyword, type;
+  words >> keyword >> type;
+  if (type == "list") words >> type;
+  const double bytes = plyBytes(type);
+  if (bytes == 0.0) refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
+  return isText ? 2.0 : bytes;
+}
+
+std::vector<PlyElement> readPlyHeader(const std::filesystem::path& path) {
   std::istringstream header(readStart(path, kLongestHeader));
   std::vector<PlyElement> elements;
-  bool isText = false, isEnded = false;
-  for (std::string line; !isEnded && std::getline(header, line);) {
-    std::istringstream words(line);
-    std::string word, type;
-    words >> word;
-    if (word == "format") isText = words >> type && type == "ascii";
-    if (word == "element") {
-      PlyElement& element = elements.emplace_back();
-      if (!(words >> element.name >> element.count) || element.count < 0.0)
-        refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
-    }
-    if (word == "property" && !elements.empty()) {
-      words >> type;
-      if (type == "list") words >> type;  // of the length of the list, which may be 0
-      elements.back().bytes += plyBytes(type, isText) + (isText ? 1.0 : 0.0);
-    }
-    isEnded = word == "end_header";
+  bool isText = false;
+  for (std::string line; std::getline(header, line);) {
+    const std::string word = line.substr(0, line.find_first_of(" \t\r"));
+    if (word == "end_header") return elements;
+    if (word == "format") isText = line.find("ascii") != std::string::npos;
+    if (word == "element") elements.push_back(readPlyElement(path, line));
+    if (word == "property" && !elements.empty()) elements.back().bytes += readPlyProperty(path, line, isText);
   }
-  if (!isEnded) refuse(path, "damaged PLY header: no end_header");
+  refuse(path, "damaged PLY header: no end_header");
+}
+
+void checkPly(const std::filesystem::path& path, std::int64_t size) {
+  bool hasVertices = false, hasFaces = false;
   double total = 0.0;
-  for (const PlyElement& element : elements) {
+  for (const PlyElement& element : readPlyHeader(path)) {
     requireRoom(path, element.name.c_str(), element.count, std::max(element.bytes, 1.0), size);
     total += element.count * element.bytes;
+    hasVertices = hasVertices || element.name == "vertex";
+    hasFaces = hasFaces || element.name == "face" || element.name == "tristrips";
   }
-  requireRoom(path, "bytes of elements", total, 1.0, size);
+  requireRoom(path, "bytes of elements", total, 1.0, size + 1);  // the last line may lack its end
+  if (!hasVertices || !hasFaces)
+    refuse(path, "there are no triangles: the PLY header names no vertices or no faces");
 }
 
 /// The lines of a text file that are neither empty nor a comment.
