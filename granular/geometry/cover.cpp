@@ -19,7 +19,10 @@
 namespace granular {
 namespace {
 
-constexpr double kSampleSpacing = 0.3;  // of r: of the samples on which holes are measured
+// Of r, the distance between the samples on which holes are measured: all over the iso-surface, and coarser
+// all over the mesh, where they matter only if the iso-surface misses a part.
+constexpr double kIsoSampleSpacing = 0.3;
+constexpr double kMeshSampleSpacing = 0.45;
 constexpr double kHoleMargin =
     0.1;  // of r: holes are filled down to this much below the bound, for what lies between samples
 constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
@@ -156,8 +159,7 @@ class Coverer {
   /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) all of the
   /// mesh.
   void findSpots() {
-    const double spacing = kSampleSpacing * set_.radius;
-    meshSamples_ = sampleSurface(mesh_, spacing * spacing);
+    meshSamples_ = sampleSurface(mesh_, std::pow(kMeshSampleSpacing * set_.radius, 2));
     std::vector<std::optional<Spot>> found(meshSamples_.size());
     executor_.forRanges(static_cast<std::int64_t>(found.size()), kItemsAPiece,
                         [&](std::int64_t begin, std::int64_t end) {
@@ -167,7 +169,7 @@ class Coverer {
     for (const auto& spot : found) {
       if (spot && !isOnIsoSurface(*spot)) spots_.push_back(*spot);
     }
-    for (const SurfacePoint& s : sampleSurface(isoSurface_, spacing * spacing))
+    for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2)))
       spots_.push_back({s.point, set_.offset, false});
     nearest_.resize(spots_.size());
   }
