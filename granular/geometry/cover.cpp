@@ -156,31 +156,33 @@ class Coverer {
     hints_.assign(positions_.size(), -1);
   }
 
-  /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) all of the
-  /// mesh.
+  /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) the parts of
+  /// the mesh that it misses.
   void findSpots() {
     meshSamples_ = sampleSurface(mesh_, std::pow(kMeshSampleSpacing * set_.radius, 2));
-    std::vector<std::optional<Spot>> found(meshSamples_.size());
-    executor_.forRanges(static_cast<std::int64_t>(found.size()), kItemsAPiece,
-                        [&](std::int64_t begin, std::int64_t end) {
-                          std::int32_t hint = -1;
-                          for (std::int64_t i = begin; i < end; ++i) found[i] = spotAt(meshSamples_[i], hint);
-                        });
-    for (const auto& spot : found) {
-      if (spot && !isOnIsoSurface(*spot)) spots_.push_back(*spot);
+    std::vector<std::optional<Spot>> missed(meshSamples_.size());
+    executor_.forRanges(std::ssize(missed), kItemsAPiece, [&](std::int64_t begin, std::int64_t end) {
+      std::int32_t hint = -1;
+      for (std::int64_t i = begin; i < end; ++i) {
+        const SurfacePoint& s = meshSamples_[i];
+        if (!isOnIsoSurface(s.point + set_.offset * s.normal)) missed[i] = spotAt(s, hint);
+      }
+    });
+    for (const auto& spot : missed) {
+      if (spot) spots_.push_back(*spot);
     }
-    for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2)))
+    for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2))) {
       spots_.push_back({s.point, set_.offset, false});
+    }
     nearest_.resize(spots_.size());
   }
 
-  /// The iso-surface passes close by and is asked for holes there anyway: the band crosses the offset with a
-  /// clear slope.
-  bool isOnIsoSurface(const Spot& spot) const {
-    const auto at = band_.sample(spot.point);
-    if (!at || spot.offset != set_.offset) return false;
+  /// The iso-surface passes close by: the band crosses the offset with a clear slope.
+  bool isOnIsoSurface(const Vector3& p) const {
+    const auto at = band_.sample(p);
+    if (!at || at->gradient.norm() < kClearSlope) return false;
     const Vector3 outwards = kResolved * set_.radius * at->gradient.normalized();
-    const auto above = band_.sample(spot.point + outwards), below = band_.sample(spot.point - outwards);
+    const auto above = band_.sample(p + outwards), below = band_.sample(p - outwards);
     return above && below && above->value > set_.offset && below->value < set_.offset;
   }
 
