@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Every k-th particle is drawn when there are more than the limit, so that the picture stays even.
 #include "bullet_bridge/debug_draw.h"
 
 #include <LinearMath/btIDebugDraw.h>

@@ -302,6 +302,7 @@ void Layer::remakeIfChanged(CoveredBody& covered) {
   system_.removeBody(covered.id);
   forgetPairsOf(*covered.body, excluded_);
   covered.make = make;
+  covered.frameEnd = motion.pose;
   covered.frameTimeLeft = 0.0;
   addToSystem(covered, std::move(covering), motion);
   wakeAll_ = true;

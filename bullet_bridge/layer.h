@@ -161,7 +161,6 @@ class Layer {
   bool isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const;
   bool isNearMovingBody(const CoveredBody& covered, double dt) const;
   double largestGrainRadius() const;
-  void accumulate(const granular::StepReport& tick);
 
   btDiscreteDynamicsWorld& world_;
   LayerDef def_;

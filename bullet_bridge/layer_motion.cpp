@@ -75,12 +75,6 @@ Vector3 changeOf(const btVector3& now, const btVector3& expected, const btVector
   return change.norm() <= noise ? Vector3::Zero() : change;
 }
 
-/// Forces that reached Bullet's totals were multiplied by the body's factor there, and will be again in the
-/// core.
-Vector3 withoutFactor(const Vector3& total, const Vector3& factor) {
-  return (factor.array() != 0.0).select(total.array() / factor.array(), 0.0);
-}
-
 void add(granular::StepReport& sum, const granular::StepReport& tick) {
   granular::StepReport total = tick;
   total.flags = sum.flags | tick.flags;
@@ -135,7 +129,8 @@ void Layer::beginFrame() {
 /// stepSimulation.
 void Layer::beginKinematicFrame(btScalar frameTime) {
   for (CoveredBody& covered : bodies_) {
-    if (covered.make.motion != BodyMotion::Kinematic || !isFinite(stateOf(*covered.body))) continue;
+    if (covered.make.motion != BodyMotion::Kinematic || !covered.body->isKinematicObject()) continue;
+    if (!isFinite(stateOf(*covered.body))) continue;
     if (covered.body->getActivationState() == ISLAND_SLEEPING) continue;  // not read by Bullet either
     runKinematicTo(covered, fromBullet(covered.body->getWorldTransform()), frameTime);
   }
@@ -352,11 +347,13 @@ void Layer::applyLoad(CoveredBody& covered) {
   const btRigidBody& body = *covered.body;
   const btVector3 gravityForce =
       body.getGravity() * (btScalar(1) / body.getInvMass()) * body.getLinearFactor();
-  const Vector3 force = fromBullet(body.getTotalForce()) - fromBullet(gravityForce);
+  granular::Wrench load;
+  if (!covered.held) {
+    load.force = fromBullet(body.getTotalForce()) - fromBullet(gravityForce);
+    load.torque = fromBullet(body.getTotalTorque());
+  }
   system_.setBodyGravity(covered.id, fromBullet(body.getGravity()));
-  system_.setBodyLoad(covered.id, {.force = withoutFactor(force, fromBullet(body.getLinearFactor())),
-                                   .torque = withoutFactor(fromBullet(body.getTotalTorque()),
-                                                           fromBullet(body.getAngularFactor()))});
+  system_.setBodyLoad(covered.id, load);
 }
 
 /// Gives Bullet's solver the velocity that, with what the solver itself adds for the total force, is the mean

@@ -159,8 +159,7 @@ class TriangleCollector : public btTriangleCallback {
 TriangleMesh concaveSurface(const btConcaveShape& shape) {
   btVector3 lower;
   btVector3 upper;
-  shape.getAabb(btTransform::getIdentity(), lower,
-                upper);  // an endless box overflows in quantised trees and heightfields
+  shape.getAabb(btTransform::getIdentity(), lower, upper);
   TriangleCollector collector;
   shape.processAllTriangles(&collector, lower, upper);
   if (collector.mesh.triangles.empty()) {

@@ -12,7 +12,7 @@ int main() {
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
 
-  btBoxShape slabShape(btVector3(0.25, 0.0625, 0.25));
+  btBoxShape slabShape(btVector3(0.375, 0.0625, 0.375));
   btRigidBody slab(0, nullptr, &slabShape);  // its upper face is at a height of 0.0625 m
   btSphereShape ballShape(0.0625);
   btVector3 inertia;
@@ -24,7 +24,7 @@ int main() {
   world.addRigidBody(&slab);
   world.addRigidBody(&ball);
 
-  world.addPile({.region = {{-0.1, 0.0625, -0.1}, {0.1, 0.1625, 0.1}}, .particleRadius = 0.01});
+  world.addPile({.region = {{-0.15, 0.0625, -0.15}, {0.15, 0.1625, 0.15}}, .particleRadius = 0.01});
   world.coverBody(slab);  // static: nothing is pushed back
   world.coverBody(ball);  // dynamic: grains push it, it pushes grains
 

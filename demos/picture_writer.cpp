@@ -37,6 +37,12 @@ RenderSettings settingsFor(const OutputsDef& outputs, int threads) {
   return settings;
 }
 
+/// Frames of an earlier run would come into the film of a shorter one.
+void removeFrames(const std::filesystem::path& folder) {
+  for (int i = 0; std::filesystem::remove(framePath(folder, i)); ++i) {
+  }
+}
+
 }  // namespace
 
 PictureSource::PictureSource(const BuiltScene& scene) : scene_(scene) {
@@ -92,6 +98,7 @@ PictureWriter::PictureWriter(const BuiltScene& scene, const std::filesystem::pat
   for (const CameraPart& camera : cameras_) {
     folders_.push_back(folder / (cameras_.size() == 1 ? "frames" : "frames_" + camera.name));
     std::filesystem::create_directories(folders_.back());
+    removeFrames(folders_.back());
   }
 }
 

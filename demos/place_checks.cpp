@@ -33,10 +33,20 @@ bool PlaceChecks::isInside(const Solid& solid, const Vector3& own, double depth)
   });
 }
 
-bool PlaceChecks::isBelowGround(const Vector3& p) const {
+Vector3 PlaceChecks::up() const {
   const Vector3& gravity = scene_.def().gravity;
-  const Vector3 up = gravity.norm() > 0.0 ? Vector3(-gravity.normalized()) : Vector3(Vector3::UnitY());
-  return scene_.def().groundHeight && up.dot(p) < *scene_.def().groundHeight;
+  return gravity.norm() > 0.0 ? Vector3(-gravity.normalized()) : Vector3(Vector3::UnitY());
+}
+
+/// What has left the container sideways and falls past the edge of the floor has escaped; it is not below the
+/// ground.
+bool PlaceChecks::isBelowGround(const Vector3& p) const {
+  const SceneDef& def = scene_.def();
+  if (!def.groundHeight || up().dot(p) >= *def.groundHeight) return false;
+  if (!def.container) return true;
+  const Vector3 onFloor = p + (*def.groundHeight - up().dot(p)) * up();
+  return (onFloor - def.container->box.lower).minCoeff() >= 0.0 &&
+         (def.container->box.upper - onFloor).minCoeff() >= 0.0;
 }
 
 PlaceCounts PlaceChecks::count() const {

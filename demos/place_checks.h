@@ -13,10 +13,11 @@ namespace granular_demo {
 
 struct PlaceCounts {
   std::int64_t insideBodies =
-      0;                         ///< particles whose centre is deeper inside a covered body than their radius
-  std::int64_t belowGround = 0;  ///< particles with their centre below SceneDef::groundHeight
-  std::int64_t outside = 0;      ///< grains whose centre is outside the container
-  std::int64_t notFinite = 0;    ///< grains with a state that is not a number
+      0;  ///< particles whose centre is deeper inside a covered body than their radius
+  std::int64_t belowGround =
+      0;  ///< particles with their centre below SceneDef::groundHeight, under the container's floor
+  std::int64_t outside = 0;    ///< grains whose centre is outside the container
+  std::int64_t notFinite = 0;  ///< grains with a state that is not a number
 };
 
 class PlaceChecks {
@@ -33,6 +34,7 @@ class PlaceChecks {
   };
 
   static bool isInside(const Solid& solid, const Vector3& own, double depth);
+  Vector3 up() const;
   bool isBelowGround(const Vector3& p) const;
 
   const BuiltScene& scene_;

@@ -210,8 +210,10 @@ const std::vector<std::string>& stepperNames() {
 SceneDef readScene(const std::string& text, const std::filesystem::path& file, const std::string& scale) {
   Json json = parse(text, file.string());
   const Json patch = patchOf(json, scale, file.string());
-  if (json.is_object()) json.erase("scales");
-  json.merge_patch(patch);
+  if (json.is_object()) {
+    json.erase("scales");
+    json.merge_patch(patch);
+  }
   try {
     SceneDef scene = readDocument(json, file);
     scene.scale = scale;

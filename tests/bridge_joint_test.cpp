@@ -83,5 +83,49 @@ TEST(Pendulum, OfACoveredBarKeepsItsPeriod) {
   EXPECT_NEAR(period, 1.6223 * 1.0006, 0.005);
 }
 
+// A joint holds the mean motion of a tick: at each tick's end the body is where it hangs, and reads half a
+// tick's fall.
+TEST(JointedBody, HangsWhereItIs) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, -10, 0));
+  btRigidBody& body = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
+  body.setActivationState(DISABLE_DEACTIVATION);
+  scene.world->coverBody(body, oneParticle(0.1));
+  scene.joints.push_back(std::make_unique<btPoint2PointConstraint>(body, vec(0, 0.5, 0)));
+  scene.world->addConstraint(scene.joints[0].get());
+  for (int i = 0; i < 256; ++i) scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+  EXPECT_LT(positionOf(body).norm(), 1e-5);
+  EXPECT_NEAR(velocityOf(body).y(), -10.0 / 128.0, 1e-4);
+}
+
+TEST(CoveredBody, StandsOnUncoveredGroundThroughBulletsContact) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, -10, 0));
+  scene.body(0, scene.box(0.5, 0.1, 0.5), at(0, -0.1, 0));
+  btRigidBody& box = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0.3, 0));
+  box.setActivationState(DISABLE_DEACTIVATION);
+  scene.world->coverBody(box, oneParticle(0.1));
+  for (int i = 0; i < 256; ++i) scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+  EXPECT_NEAR(positionOf(box).y(), 0.1, 10.0 / (64.0 * 64.0)) << "within the fall of a tick, g dt^2";
+}
+
+TEST(BreakableJoint, OfACoveredBodyBreaksUnderItsLoad) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, -10, 0));
+  btRigidBody& body = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
+  scene.world->coverBody(body, oneParticle(0.1));
+  scene.joints.push_back(std::make_unique<btPoint2PointConstraint>(body, vec(0, 0, 0)));
+  scene.joints[0]->setBreakingImpulseThreshold(scalar(1.5 * 10.0 / 64.0));  // holds 1.5 times its weight
+  scene.world->addConstraint(scene.joints[0].get());
+  for (int i = 0; i < 16; ++i) scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+  EXPECT_TRUE(scene.joints[0]->isEnabled());
+  for (int i = 0; i < 16; ++i) {
+    body.applyCentralForce(vec(0, -10, 0));
+    scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+  }
+  EXPECT_FALSE(scene.joints[0]->isEnabled());
+  EXPECT_LT(positionOf(body).y(), -0.05);
+}
+
 }  // namespace
 }  // namespace bridge_test

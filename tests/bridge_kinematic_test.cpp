@@ -134,6 +134,21 @@ TEST(KinematicBody, MayBecomeDynamic) {
   EXPECT_NEAR(positionOf(*pusher.wall).y(), 3.0 * kTick, 1e-6);
 }
 
+TEST(DynamicBody, MayBecomeKinematic) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, 0, 0));
+  btRigidBody& ball = scene.body(1, scene.sphere(0.1), at(0, 0, 0));
+  scene.world->coverBody(ball, oneParticle(0.1));
+  ball.setLinearVelocity(vec(1, 0, 0));
+  scene.world->stepSimulation(scalar(16 * kTick), 16, scalar(kTick));
+  ball.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  ball.setActivationState(DISABLE_DEACTIVATION);
+  for (int i = 0; i < 2; ++i) scene.world->stepSimulation(scalar(kTick), 1, scalar(kTick));
+  const auto motion = scene.world->grains().bodyMotion(scene.world->bodyIdOf(ball));
+  EXPECT_NEAR(motion.pose.position.x(), 16 * kTick, 1e-6) << "it stays where it was taken over";
+  EXPECT_EQ(motion.velocity, Vector3::Zero());
+}
+
 TEST(StaticBody, MovedByHandIsElsewhereAtOnce) {
   SandScene scene;
   scene.world->setGravity(vec(0, 0, 0));

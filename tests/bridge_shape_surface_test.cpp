@@ -142,7 +142,7 @@ TEST(ShapeSurface, OfATriangleMeshIsTheMeshWelded) {
 
 TEST(ShapeSurface, OfAHeightfieldIsOpenAndHasItsArea) {
   const std::vector<float> heights(9, 0.0f);
-  const btHeightfieldTerrainShape field(3, 3, heights.data(), 1, -1, 1, 1, PHY_FLOAT, false);
+  const btHeightfieldTerrainShape field(3, 3, heights.data(), scalar(-1), scalar(1), 1, false);
   const granular::MeshReport report = granular::checkMesh(shapeSurface(field));
   EXPECT_TRUE(report.isReadable()) << report.text();
   EXPECT_FALSE(report.isClosed());

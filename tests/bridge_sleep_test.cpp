@@ -57,6 +57,7 @@ TEST(Sleep, EndsWhenAGrainComesNear) {
   BoxOnSlab rest;
   run(rest.scene, 64 * 4);
   ASSERT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  const double before = positionOf(rest.box).x();
   granular::GranularSystem& sand = rest.scene.world->grains();
   granular::GrainDef def;
   def.shape = sand.addGrainShape(granular::sphereShape(0.04));
@@ -66,18 +67,19 @@ TEST(Sleep, EndsWhenAGrainComesNear) {
   sand.addGrain(def);
   run(rest.scene, 16);
   EXPECT_TRUE(rest.box.isActive());
-  EXPECT_LT(positionOf(rest.box).x(), -0.001) << "the grain pushed it";
+  EXPECT_LT(positionOf(rest.box).x(), before - 0.001) << "the grain pushed it";
 }
 
 TEST(Sleep, EndsWhenACoveredBodyFliesIn) {
   BoxOnSlab rest;
   run(rest.scene, 64 * 4);
   ASSERT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  const double before = positionOf(rest.box).x();
   btRigidBody& ball = rest.scene.body(1, rest.scene.sphere(0.05), at(1, 0.15, 0));
   rest.scene.world->coverBody(ball, oneParticle(0.05));
   ball.setLinearVelocity(vec(-10, 1, 0));
   run(rest.scene, 16);
-  EXPECT_LT(positionOf(rest.box).x(), -0.01);
+  EXPECT_LT(positionOf(rest.box).x(), before - 0.01);
 }
 
 TEST(Sleep, EndsWithTheWholeImpulseWhenAnUncoveredBodyHits) {
@@ -87,7 +89,7 @@ TEST(Sleep, EndsWithTheWholeImpulseWhenAnUncoveredBodyHits) {
   rest.scene.world->setGravity(vec(0, 0, 0));
   btRigidBody& ball = rest.scene.body(4, rest.scene.sphere(0.05), at(1, 0.1, 0));
   ball.setLinearVelocity(vec(-10, 0, 0));
-  run(rest.scene, 8);
+  run(rest.scene, 12);
   EXPECT_LT(velocityOf(rest.box).x(), -2.0);
 }
 

@@ -139,6 +139,48 @@ TEST(CoverBody, KeepsTheParticlesWithinTheShape) {
   }
 }
 
+TEST(CoverBody, CoversAPatchOfAPlaneLevelWithIt) {
+  SandScene scene;
+  btRigidBody& ground =
+      scene.body(0, scene.shape<btStaticPlaneShape>(vec(0, 1, 0), scalar(0.5)), at(0, 0, 0));
+  const granular::BodyId id = scene.world->coverBody(
+      ground, {.particleRadius = 0.05,
+               .shapeSurface = {.plane = {.center = {1, 0, 0}, .size = 1.0, .thickness = 0.2}}});
+  const granular::Covering& covering = scene.world->grains().covering(id);
+  double top = 0.0;
+  for (const Vector3& p : covering.positions) top = std::max(top, p.y() + 0.05);
+  EXPECT_NEAR(top, 0.5, 0.05 * 0.02);
+  for (const Vector3& p : covering.positions) EXPECT_LT(std::abs(p.x() - 1.0), 0.5);
+}
+
+TEST(CoverBody, CoversEveryChildOfACompound) {
+  SandScene scene;
+  auto& dumbbell = scene.shape<btCompoundShape>();
+  dumbbell.addChildShape(at(-0.5, 0, 0), &scene.sphere(0.2));
+  dumbbell.addChildShape(at(0.5, 0, 0), &scene.box(0.2, 0.2, 0.2));
+  btRigidBody& body = scene.body(1, dumbbell, at(0, 0, 0));
+  const auto& covering =
+      scene.world->grains().covering(scene.world->coverBody(body, {.particleRadius = 0.04}));
+  const auto left = std::count_if(covering.positions.begin(), covering.positions.end(),
+                                  [](const Vector3& p) { return p.x() < 0.0; });
+  // About D = 0.84 discs a disc area; the surface of the particles' centres is a particle radius smaller.
+  EXPECT_GT(left, 0.5 * std::pow(0.16 / 0.04, 2) * 4);
+  EXPECT_GT(static_cast<std::ptrdiff_t>(covering.positions.size()) - left,
+            0.5 * 6 * std::pow(0.32, 2) / (3.1416 * 0.04 * 0.04));
+}
+
+TEST(CoverBody, TakesAMeshInPlaceOfTheShape) {
+  SandScene scene;
+  btRigidBody& body = scene.body(1, scene.sphere(0.2), at(0, 0, 0));
+  bullet_bridge::CoverBodyDef def{.particleRadius = 0.02};
+  def.surface = bullet_bridge::shapeSurface(btBoxShape(vec(0.1, 0.1, 0.3)));
+  double top = 0.0;
+  for (const Vector3& p : scene.world->grains().covering(scene.world->coverBody(body, def)).positions) {
+    top = std::max(top, p.z() + 0.02);
+  }
+  EXPECT_NEAR(top, 0.3, 0.02 * 0.02);
+}
+
 TEST(UncoverBody, RefusesABodyThatIsNotCovered) {
   SandScene scene;
   btRigidBody& ball = scene.body(1, scene.sphere(0.1), at(0, 0, 0));

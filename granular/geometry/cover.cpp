@@ -19,14 +19,18 @@
 namespace granular {
 namespace {
 
-constexpr double kSampleSpacing = 0.3;  // of r: of the samples on which holes are measured
+// Of r, the distance between the samples on which holes are measured: all over the iso-surface, and coarser
+// all over the mesh, where they matter only if the iso-surface misses a part.
+constexpr double kIsoSampleSpacing = 0.3;
+constexpr double kMeshSampleSpacing = 0.45;
 constexpr double kHoleMargin =
     0.1;  // of r: holes are filled down to this much below the bound, for what lies between samples
 constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
 constexpr double kThinDepth =
     0.9;  // of half the thickness: far enough from the middle for a clear direction outwards
-constexpr double kThinCosine =
-    -0.5;  // a part is thin, not just near an edge, where its sides are within 60 deg of parallel
+constexpr double kThinReach =
+    0.5;  // of the ball that fits: the other side is as near as this to the point across
+constexpr int kMostShrinks = 30;  // of that ball; three or four are usual
 constexpr double kResolved =
     0.25;  // of r: where the iso-surface is this near to the true one, it stands for it
 constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surface, 0 in the middle of a part
@@ -152,32 +156,33 @@ class Coverer {
     hints_.assign(positions_.size(), -1);
   }
 
-  /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) all of the
-  /// mesh.
+  /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) the parts of
+  /// the mesh that it misses.
   void findSpots() {
-    const double spacing = kSampleSpacing * set_.radius;
-    meshSamples_ = sampleSurface(mesh_, spacing * spacing);
-    std::vector<std::optional<Spot>> found(meshSamples_.size());
-    executor_.forRanges(static_cast<std::int64_t>(found.size()), kItemsAPiece,
-                        [&](std::int64_t begin, std::int64_t end) {
-                          std::int32_t hint = -1;
-                          for (std::int64_t i = begin; i < end; ++i) found[i] = spotAt(meshSamples_[i], hint);
-                        });
-    for (const auto& spot : found) {
-      if (spot && !isOnIsoSurface(*spot)) spots_.push_back(*spot);
+    meshSamples_ = sampleSurface(mesh_, std::pow(kMeshSampleSpacing * set_.radius, 2));
+    std::vector<std::optional<Spot>> missed(meshSamples_.size());
+    executor_.forRanges(std::ssize(missed), kItemsAPiece, [&](std::int64_t begin, std::int64_t end) {
+      std::int32_t hint = -1;
+      for (std::int64_t i = begin; i < end; ++i) {
+        const SurfacePoint& s = meshSamples_[i];
+        if (!isOnIsoSurface(s.point + set_.offset * s.normal)) missed[i] = spotAt(s, hint);
+      }
+    });
+    for (const auto& spot : missed) {
+      if (spot) spots_.push_back(*spot);
     }
-    for (const SurfacePoint& s : sampleSurface(isoSurface_, spacing * spacing))
+    for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2))) {
       spots_.push_back({s.point, set_.offset, false});
+    }
     nearest_.resize(spots_.size());
   }
 
-  /// The iso-surface passes close by and is asked for holes there anyway: the band crosses the offset with a
-  /// clear slope.
-  bool isOnIsoSurface(const Spot& spot) const {
-    const auto at = band_.sample(spot.point);
-    if (!at || spot.offset != set_.offset) return false;
+  /// The iso-surface passes close by: the band crosses the offset with a clear slope.
+  bool isOnIsoSurface(const Vector3& p) const {
+    const auto at = band_.sample(p);
+    if (!at || at->gradient.norm() < kClearSlope) return false;
     const Vector3 outwards = kResolved * set_.radius * at->gradient.normalized();
-    const auto above = band_.sample(spot.point + outwards), below = band_.sample(spot.point - outwards);
+    const auto above = band_.sample(p + outwards), below = band_.sample(p - outwards);
     return above && below && above->value > set_.offset && below->value < set_.offset;
   }
 
@@ -193,29 +198,30 @@ class Coverer {
     return Spot{center, set_.offset, true};
   }
 
-  /// Shrinks a ball that touches the surface in s from within until nothing of the surface is inside it (the
-  /// shrinking ball of Ma, Bae & Choi 2012). At full size its centre is on the offset surface. Smaller, it
-  /// touches twice: where the two sides are nearly parallel the part is thin; otherwise s is near an edge,
-  /// which its surroundings cover.
+  /// Shrinks a ball that touches the surface in s from within until it touches elsewhere too (the shrinking
+  /// ball of Ma, Bae & Choi 2012); a touch close to s, as faceted surfaces have everywhere, does not count.
+  /// At full size the centre is on the offset surface. Smaller, the part is thin if its other side is near
+  /// the point across the ball from s; otherwise s is near an edge, which its surroundings cover.
   std::optional<Spot> spotBelow(const SurfacePoint& s, std::int32_t& hint) const {
     double depth = -set_.offset;
-    Vector3 other = s.point;
-    bool isSmaller = false;
-    for (int attempt = 0; attempt < 30; ++attempt) {
-      const auto hit = exact_.nearestWithin(s.point - depth * s.normal, depth * (1.0 - 1e-6), hint);
+    std::optional<NearestPoint> hit;
+    for (int attempt = 0; attempt < kMostShrinks; ++attempt) {
+      hit = exact_.nearestWithin(s.point - depth * s.normal, depth * (1.0 - 1e-6), hint);
       if (!hit) break;
       hint = hit->triangle;
-      other = hit->point;
-      isSmaller = true;
-      const Vector3 across = s.point - other;
+      const Vector3 across = s.point - hit->point;
       const double height = across.dot(s.normal);
       if (!(height > 0.0)) return std::nullopt;
-      depth = std::min(depth, 0.5 * across.squaredNorm() / height);
+      const double smaller = 0.5 * across.squaredNorm() / height;
+      if (across.norm() < smaller) break;  // seen from the centre less than 60 degrees from s
+      depth = std::min(depth, smaller);
     }
-    if (!isSmaller) return Spot{s.point - depth * s.normal, set_.offset, true};
-    const Vector3 toOther = other - (s.point - depth * s.normal);
-    if (toOther.dot(s.normal) > kThinCosine * toOther.norm()) return std::nullopt;
-    return Spot{s.point - kThinDepth * depth * s.normal, -kThinDepth * depth, true};
+    if (depth == -set_.offset)
+      return hit ? std::nullopt : std::optional(Spot{s.point - depth * s.normal, set_.offset, true});
+    if (!exact_.nearestWithin(s.point - 2.0 * depth * s.normal, kThinReach * depth, hint))
+      return std::nullopt;
+    const Vector3 middle = s.point - kThinDepth * depth * s.normal;
+    return Spot{middle, exact_.nearest(middle, hint).signedDistance, true};
   }
 
   SurfaceSample exactSurface(std::int32_t i, const Vector3& p) {

@@ -38,10 +38,9 @@ struct CoverDef {
   std::optional<double> largestHole = {};
 
   std::uint64_t seed = 1;
-  double convergence =
-      2e-3;                 ///< of r: floaters have converged when their root mean square move is below this
-  int maxIterations = 500;  ///< of the floaters, in each round
-  int maxFillRounds = 4;    ///< of filling holes and relaxing again
+  double convergence = 5e-3;  ///< of r: done when the root mean square move of the floaters is below this
+  int maxIterations = 500;    ///< of the floaters, in each round
+  int maxFillRounds = 2;      ///< of filling holes and relaxing again
   std::int64_t maxParticles = 2'000'000;  ///< more than this is refused before anything is built
   int threads = 1;                        ///< any number gives the same bits
 };

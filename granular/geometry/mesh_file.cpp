@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "granular/geometry/mesh_file.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
@@ -19,9 +17,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "granular/geometry/detail/cut_polygon.h"
+
 namespace granular {
 namespace {
 
+constexpr unsigned kMostCorners =
+    2000;  // of a polygon: more than any modeller makes, and cutting them would take seconds
 constexpr int kMaxNodeDepth = 200;  // of the tree of parts; deeper ones are damage, and recursion must end
 constexpr std::int64_t kStlHeader = 84;          // bytes: 80 of text and the count
 constexpr std::int64_t kStlTriangle = 50;        // bytes: normal, three corners, attribute
@@ -86,73 +88,127 @@ void checkStl(const std::filesystem::path& path, std::int64_t size) {
   requireRoom(path, "triangles", count, kStlTriangle, size - kStlHeader);
 }
 
-/// Fewest bytes that one value of a PLY property can take.
-double plyBytes(const std::string& type, bool isText) {
+/// Bytes of one value of a PLY type; 0 for a type there is not.
+double plyBytes(const std::string& type) {
   static const std::map<std::string, double> kBytes = {
       {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
       {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
       {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   const auto known = kBytes.find(type);
-  return isText || known == kBytes.end() ? 1.0 : known->second;
+  return known == kBytes.end() ? 0.0 : known->second;
 }
 
-/// An announced element: how many, and the fewest bytes each takes.
+/// What a PLY header announces: how many of an element, and the fewest bytes each takes.
 struct PlyElement {
   std::string name;
   double count = 0.0, bytes = 0.0;
 };
 
-void checkPly(const std::filesystem::path& path, std::int64_t size) {
+PlyElement readPlyElement(const std::filesystem::path& path, const std::string& line) {
+  std::istringstream words(line);
+  std::string keyword;
+  PlyElement element;
+  words >> keyword >> element.name >> element.count;
+  const bool isName = std::all_of(element.name.begin(), element.name.end(),
+                                  [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+  if (!words || element.count < 0.0 || !isName) refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
+  return element;
+}
+
+/// Fewest bytes of one property: a list counts by its length alone, text by one digit and a blank.
+double readPlyProperty(const std::filesystem::path& path, const std::string& line, bool isText) {
+  std::istringstream words(line);
+  std::string keyword, type;
+  words >> keyword >> type;
+  if (type == "list") words >> type;
+  const double bytes = plyBytes(type);
+  if (bytes == 0.0) refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
+  return isText ? 2.0 : bytes;
+}
+
+std::vector<PlyElement> readPlyHeader(const std::filesystem::path& path) {
   std::istringstream header(readStart(path, kLongestHeader));
   std::vector<PlyElement> elements;
-  bool isText = false, isEnded = false;
-  for (std::string line; !isEnded && std::getline(header, line);) {
-    std::istringstream words(line);
-    std::string word, type;
-    words >> word;
-    if (word == "format") isText = words >> type && type == "ascii";
-    if (word == "element") {
-      PlyElement& element = elements.emplace_back();
-      if (!(words >> element.name >> element.count) || element.count < 0.0)
-        refuse(path, "damaged PLY header: '" + oneLine(line) + "'");
-    }
-    if (word == "property" && !elements.empty()) {
-      words >> type;
-      if (type == "list") words >> type;  // of the length of the list, which may be 0
-      elements.back().bytes += plyBytes(type, isText) + (isText ? 1.0 : 0.0);
-    }
-    isEnded = word == "end_header";
+  bool isText = false;
+  for (std::string line; std::getline(header, line);) {
+    const std::string word = line.substr(0, line.find_first_of(" \t\r"));
+    if (word == "end_header") return elements;
+    if (word == "format") isText = line.find("ascii") != std::string::npos;
+    if (word == "element") elements.push_back(readPlyElement(path, line));
+    if (word == "property" && !elements.empty()) elements.back().bytes += readPlyProperty(path, line, isText);
   }
-  if (!isEnded) refuse(path, "damaged PLY header: no end_header");
+  refuse(path, "damaged PLY header: no end_header");
+}
+
+void checkPly(const std::filesystem::path& path, std::int64_t size) {
+  bool hasVertices = false, hasFaces = false;
   double total = 0.0;
-  for (const PlyElement& element : elements) {
+  for (const PlyElement& element : readPlyHeader(path)) {
     requireRoom(path, element.name.c_str(), element.count, std::max(element.bytes, 1.0), size);
     total += element.count * element.bytes;
+    hasVertices = hasVertices || element.name == "vertex";
+    hasFaces = hasFaces || element.name == "face" || element.name == "tristrips";
   }
-  requireRoom(path, "bytes of elements", total, 1.0, size);
+  requireRoom(path, "bytes of elements", total, 1.0, size + 1);  // the last line may lack its end
+  if (!hasVertices || !hasFaces)
+    refuse(path, "there are no triangles: the PLY header names no vertices or no faces");
+}
+
+/// The lines of a text file that are neither empty nor a comment.
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& path) : file_(path, std::ios::binary) {}
+
+  bool next() {
+    while (std::getline(file_, text)) {
+      text.erase(std::min(text.find('#'), text.size()));
+      if (text.find_first_not_of(" \t\r") != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  std::string text;
+
+ private:
+  std::ifstream file_;
+};
+
+/// assimp bends an index out of range to the last vertex without a word.
+void checkOffIndices(const std::filesystem::path& path, Lines& lines, std::int64_t vertices,
+                     std::int64_t faces) {
+  for (std::int64_t v = 0; v < vertices; ++v) {
+    if (!lines.next())
+      refuse(path, "truncated: " + std::to_string(v) + " of " + std::to_string(vertices) + " vertices");
+  }
+  for (std::int64_t f = 0; f < faces; ++f) {
+    if (!lines.next())
+      refuse(path, "truncated: " + std::to_string(f) + " of " + std::to_string(faces) + " faces");
+    std::istringstream words(lines.text);
+    std::int64_t corners = 0, index = 0;
+    if (!(words >> corners))
+      refuse(path, "damaged: face " + std::to_string(f) + " is '" + oneLine(lines.text) + "'");
+    for (std::int64_t c = 0; c < corners; ++c) {
+      if (!(words >> index) || index < 0 || index >= vertices) {
+        refuse(path, "damaged: face " + std::to_string(f) + " names a vertex that does not exist");
+      }
+    }
+  }
 }
 
 void checkOff(const std::filesystem::path& path, std::int64_t size) {
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  const auto nextLine = [&] {
-    while (std::getline(file, line)) {
-      line.erase(std::min(line.find('#'), line.size()));
-      if (line.find_first_not_of(" \t\r") != std::string::npos) return true;
-    }
-    return false;
-  };
-  if (!nextLine()) refuse(path, "no OFF header");
-  const auto letters = line.find("OFF");
+  Lines lines(path);
+  const auto letters = lines.next() ? lines.text.find("OFF") : std::string::npos;
   if (letters == std::string::npos) refuse(path, "no OFF header");
-  if (line.find_first_of("0123456789", letters) == std::string::npos && !nextLine())
-    refuse(path, "no counts after the OFF header");
-  std::istringstream words(line.substr(std::min(line.find_first_of("-0123456789"), line.size())));
-  double vertices = 0.0, faces = 0.0;
-  if (!(words >> vertices >> faces) || vertices < 0.0 || faces < 0.0)
-    refuse(path, "damaged OFF counts: '" + oneLine(line) + "'");
-  requireRoom(path, "vertices", vertices, 6.0, size + 1);  // "0 0 0\n"
-  requireRoom(path, "faces", faces, 8.0, size + 1);        // "3 0 1 2\n"
+  const bool countsFollow = lines.text.find_first_of("0123456789", letters) == std::string::npos;
+  if (countsFollow && !lines.next()) refuse(path, "no counts after the OFF header");
+  const std::size_t start = countsFollow ? 0 : letters + std::strlen("OFF");
+  std::istringstream words(lines.text.substr(start));
+  std::int64_t vertices = 0, faces = 0;
+  if (!(words >> vertices >> faces) || vertices < 0 || faces < 0)
+    refuse(path, "damaged OFF counts: '" + oneLine(lines.text) + "'");
+  requireRoom(path, "vertices", static_cast<double>(vertices), 6.0, size + 1);  // "0 0 0\n"
+  requireRoom(path, "faces", static_cast<double>(faces), 8.0, size + 1);        // "3 0 1 2\n"
+  checkOffIndices(path, lines, vertices, faces);
 }
 
 /// What is cheap to see before a parser trusts the file: counts that its size cannot hold.
@@ -193,11 +249,6 @@ class Assembler {
   }
 
   void addPart(const aiMesh& part, const aiMatrix4x4& toWorld) {
-    const auto triangles = static_cast<std::int64_t>(mesh_.triangles.size()) + part.mNumFaces;
-    if (triangles > limits_.maxTriangles) {
-      refuse(path_, "more than " + std::to_string(limits_.maxTriangles) +
-                        " triangles (MeshFileLimits.maxTriangles)");
-    }
     if (mesh_.vertices.size() + part.mNumVertices > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
       refuse(path_, "more vertices than an index can name");
     }
@@ -209,18 +260,34 @@ class Assembler {
         refuse(path_, "vertex " + std::to_string(first + v) + " is not finite");
     }
     const bool isMirrored = toWorld.Determinant() < 0.0f;
-    for (unsigned f = 0; f < part.mNumFaces; ++f) addTriangle(part, part.mFaces[f], first, isMirrored);
+    for (unsigned f = 0; f < part.mNumFaces; ++f) addFace(part, part.mFaces[f], first, isMirrored);
   }
 
-  void addTriangle(const aiMesh& part, const aiFace& face, std::int32_t first, bool isMirrored) {
-    if (face.mNumIndices != 3) return;  // points and lines; assimp has cut the polygons
-    std::array<std::int32_t, 3> corners;
-    for (int k = 0; k < 3; ++k) {
+  /// Points and lines are left out; polygons are cut here, since assimp's own step stops the program on some
+  /// damaged files.
+  void addFace(const aiMesh& part, const aiFace& face, std::int32_t first, bool isMirrored) {
+    if (face.mNumIndices < 3) return;
+    if (face.mNumIndices > kMostCorners)
+      refuse(path_, "a polygon of " + std::to_string(face.mNumIndices) + " corners");
+    std::vector<std::int32_t> corners;
+    for (unsigned k = 0; k < face.mNumIndices; ++k) {
       if (face.mIndices[k] >= part.mNumVertices)
-        refuse(path_, "damaged: a triangle names a vertex that does not exist");
-      corners[k] = first + static_cast<std::int32_t>(face.mIndices[k]);
+        refuse(path_, "damaged: a face names a vertex that does not exist");
+      corners.push_back(first + static_cast<std::int32_t>(face.mIndices[k]));
     }
-    if (isMirrored) std::swap(corners[1], corners[2]);
+    if (isMirrored) std::reverse(corners.begin(), corners.end());
+    if (corners.size() == 3) return addTriangle({corners[0], corners[1], corners[2]});
+    std::vector<Vector3> points;
+    for (std::int32_t c : corners) points.push_back(mesh_.vertices[c]);
+    for (const auto& t : detail::cutPolygon(points))
+      addTriangle({corners[t[0]], corners[t[1]], corners[t[2]]});
+  }
+
+  void addTriangle(const std::array<std::int32_t, 3>& corners) {
+    if (std::ssize(mesh_.triangles) >= limits_.maxTriangles) {
+      refuse(path_, "more than " + std::to_string(limits_.maxTriangles) +
+                        " triangles (MeshFileLimits.maxTriangles)");
+    }
     mesh_.triangles.push_back(corners);
   }
 
@@ -232,11 +299,9 @@ class Assembler {
 
 /// The scene belongs to the importer.
 const aiScene& import(Assimp::Importer& importer, const std::filesystem::path& path) {
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType;
   const aiScene* scene = nullptr;
   try {
-    scene = importer.ReadFile(path.string(), steps);
+    scene = importer.ReadFile(path.string(), 0);
   } catch (const std::exception& error) {
     refuse(path, std::string("cannot be parsed: ") + oneLine(error.what()));
   }

@@ -12,8 +12,8 @@ namespace granular {
 namespace {
 
 // Chosen by the largest hole left on a sphere, a torus and a box, and by how soon they converge. In spacings:
-constexpr double kReach = 2.0;        // of the repulsion: a ring of six neighbours and most of the next ring
-constexpr double kStep = 0.35;        // repulsion to move; unstable above about 0.6
+constexpr double kReach = 1.5;  // of the repulsion: the ring of six neighbours; with 2.0 larger holes stay
+constexpr double kStep = 0.7;   // repulsion to move; above 1 it takes longer again
 constexpr double kLongestMove = 0.3;  // seeds may start nearly on top of one another
 
 // A floater keeps this part of its last move while the push goes the same way; 0 needs several times the

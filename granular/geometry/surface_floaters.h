@@ -47,8 +47,8 @@ struct FloaterReport {
 /// beyond.
 /// Differs from the paper: of the repulsion only the part along the surface counts, so that the pressure of
 /// floaters across a curved surface does not lift it off; a floater keeps part of its last move, which evens
-/// out large patches sooner, and takes smaller steps where it would swing to and fro, so that it comes to rest
-/// at sharp edges too. Tests: SurfaceFloaters.EndOnTheZeroSet,
+/// out large patches sooner, and takes smaller steps where it would swing to and fro, so that it comes to
+/// rest at sharp edges too. Tests: SurfaceFloaters.EndOnTheZeroSet,
 /// SurfaceFloaters.ComeToRestOnABoxWithSharpEdges.
 FloaterReport relaxFloaters(std::span<Vector3> positions, const FloaterSurface& surface,
                             const FloaterDef& def);

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// Reading mesh files, whole and damaged. Files are written here, into a temporary folder.
+#include "granular/geometry/mesh_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "granular/geometry/cover.h"
+#include "granular/geometry/mesh_primitives.h"
+
+namespace granular {
+namespace {
+
+std::string objText(const TriangleMesh& mesh) {
+  std::ostringstream out;
+  for (const Vector3& v : mesh.vertices) out << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+  for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  return out.str();
+}
+
+std::string offText(const TriangleMesh& mesh) {
+  std::ostringstream out;
+  out << "OFF\n" << mesh.vertices.size() << ' ' << mesh.triangles.size() << " 0\n";
+  for (const Vector3& v : mesh.vertices) out << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+  for (const auto& t : mesh.triangles) out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+  return out.str();
+}
+
+std::string plyText(const TriangleMesh& mesh, std::size_t announcedFaces) {
+  std::ostringstream out;
+  out << "ply\nformat ascii 1.0\nelement vertex " << mesh.vertices.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << announcedFaces
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vector3& v : mesh.vertices) out << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+  for (const auto& t : mesh.triangles) out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+  return out.str();
+}
+
+template <class Number>
+void put(std::string& out, Number value) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  out.append(bytes, sizeof value);
+}
+
+std::string stlBytes(const TriangleMesh& mesh, std::uint32_t announced) {
+  std::string out(80, ' ');
+  put(out, announced);
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) put(out, 0.0f);
+    for (std::int32_t v : t) {
+      for (int axis = 0; axis < 3; ++axis) put(out, static_cast<float>(mesh.vertices[v][axis]));
+    }
+    put(out, std::uint16_t{0});
+  }
+  return out;
+}
+
+class MeshFile : public testing::Test {
+ protected:
+  MeshFile() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("granular_mesh_file_") + test->name());
+    std::filesystem::create_directories(folder_);
+  }
+  ~MeshFile() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+
+  /// The message of the refusal, which must be one line with the path in it.
+  static std::string refusal(const std::filesystem::path& path, const MeshFileLimits& limits = {}) {
+    try {
+      readMeshFile(path, limits);
+    } catch (const std::runtime_error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find(path.string()), std::string::npos) << text;
+      EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+      return text;
+    }
+    ADD_FAILURE() << path << " was read";
+    return {};
+  }
+
+  static void expectRefused(const std::filesystem::path& path, const std::string& reason,
+                            const MeshFileLimits& limits = {}) {
+    EXPECT_NE(refusal(path, limits).find(reason), std::string::npos) << refusal(path, limits);
+  }
+
+  const TriangleMesh box_ = makeBox({1.0, 2.0, 4.0}, 2);
+  std::filesystem::path folder_;
+};
+
+TEST_F(MeshFile, ReadsTheSameBoxFromEveryKindOfFile) {
+  const std::filesystem::path files[] = {
+      write("box.obj", objText(box_)), write("box.off", offText(box_)),
+      write("box.ply", plyText(box_, box_.triangles.size())),
+      write("box.STL", stlBytes(box_, static_cast<std::uint32_t>(box_.triangles.size())))};
+  for (const auto& file : files) {
+    const TriangleMesh mesh = readMeshFile(file);
+    const MeshReport report = checkMesh(mesh);
+    EXPECT_TRUE(report.isSolid()) << file << ": " << report.text();
+    EXPECT_EQ(mesh.vertices.size(), box_.vertices.size()) << file;  // STL has every corner six times: welded
+    EXPECT_EQ(mesh.triangles.size(), box_.triangles.size()) << file;
+    EXPECT_NEAR(report.volume, 8.0, 1e-6) << file;
+  }
+}
+
+TEST_F(MeshFile, CutsPolygonsAndDropsLinesAndPoints) {
+  const auto file = write("quads.obj",
+                          "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                          "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nl 1 7\np 3\n");
+  const TriangleMesh mesh = readMeshFile(file);
+  EXPECT_EQ(mesh.triangles.size(), 12u);
+  EXPECT_TRUE(checkMesh(mesh).isSolid());
+}
+
+TEST_F(MeshFile, CutsConcavePolygonsWithoutFillingTheirNotches) {
+  // An arrow head in the plane z = 0, area 1: a fan from its first corner would cover the notch.
+  const TriangleMesh mesh =
+      readMeshFile(write("arrow.obj", "v 0 0 0\nv 1 -1 0\nv 0 1 0\nv -1 -1 0\nf 2 3 4 1\n"));
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_NEAR(surfaceArea(mesh), 1.0, 1e-7);
+  for (const auto& t : mesh.triangles) EXPECT_GT(doubleAreaVector(mesh, t)[2], 0.0);
+}
+
+TEST_F(MeshFile, JoinsThePartsOfAFile) {
+  TriangleMesh two = makeBox({1.0, 1.0, 1.0});
+  std::string text = "o first\n" + objText(two) + "o second\n";
+  for (Vector3& v : two.vertices) v += Vector3(3.0, 0.0, 0.0);
+  for (auto& t : two.triangles) {
+    for (std::int32_t& v : t) v += 8;
+  }
+  text += objText(two);
+  const MeshReport report = checkMesh(readMeshFile(write("two.obj", text)));
+  EXPECT_TRUE(report.isSolid());
+  EXPECT_NEAR(report.volume, 2.0, 1e-6);
+}
+
+TEST_F(MeshFile, AppliesTheTransformsOfParts) {
+  // A tetrahedron of volume 1/6, placed twice: scaled by 2 and mirrored by x -> -x, both moved to x = 5.
+  std::string data;
+  for (float x : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f}) put(data, x);
+  for (int i : {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) put(data, static_cast<std::uint16_t>(i));
+  write("tetrahedra.bin", data);
+  const auto file = write("tetrahedra.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"translation":[5,0,0],"children":[1,2]},{"mesh":0,"scale":[2,2,2]},{"mesh":0,"scale":[-1,1,1]}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+    "buffers":[{"uri":"tetrahedra.bin","byteLength":72}],
+    "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
+                 {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]})");
+  const TriangleMesh mesh = readMeshFile(file);
+  EXPECT_NEAR(signedVolume(mesh), 8.0 / 6.0 + 1.0 / 6.0, 1e-6);
+  EXPECT_NEAR(boundingBox(mesh).lower[0], 4.0, 1e-6);
+  EXPECT_NEAR(boundingBox(mesh).upper[0], 7.0, 1e-6);
+}
+
+TEST_F(MeshFile, ThatDoesNotExistIsRefused) {
+  expectRefused(folder_ / "nothing.obj", "no such file");
+}
+TEST_F(MeshFile, ThatIsAFolderIsRefused) {
+  expectRefused(folder_, "not a regular file");
+}
+TEST_F(MeshFile, ThatIsEmptyIsRefused) {
+  expectRefused(write("empty.ply", ""), "the file is empty");
+}
+TEST_F(MeshFile, OfAnUnknownKindIsRefused) {
+  expectRefused(write("box.txt", "hello"), "unknown kind of file '.txt'");
+}
+TEST_F(MeshFile, OfPointsOnlyIsRefused) {
+  expectRefused(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), "");
+}
+
+TEST_F(MeshFile, LargerThanTheLimitIsRefused) {
+  expectRefused(write("box.obj", objText(box_)), "MeshFileLimits.maxBytes", {.maxBytes = 100});
+}
+
+TEST_F(MeshFile, WithMoreTrianglesThanTheLimitIsRefused) {
+  expectRefused(write("box.obj", objText(box_)), "MeshFileLimits.maxTriangles", {.maxTriangles = 47});
+}
+
+TEST_F(MeshFile, WithACoordinateThatIsNotANumberIsRefused) {
+  std::string bytes = stlBytes(box_, static_cast<std::uint32_t>(box_.triangles.size()));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(bytes.data() + 84 + 12 + 4, &nan, sizeof nan);
+  expectRefused(write("nan.stl", bytes), "finite");
+}
+
+TEST_F(MeshFile, WithAnIndexOutOfRangeIsRefused) {
+  TriangleMesh bad = box_;
+  bad.triangles[5][1] = 1000;
+  refusal(write("bad.obj", objText(bad)));
+  refusal(write("bad.off", offText(bad)));
+  refusal(write("bad.ply", plyText(bad, bad.triangles.size())));
+}
+
+TEST_F(MeshFile, ThatAnnouncesMoreThanItHoldsIsRefused) {
+  expectRefused(write("box.stl", stlBytes(box_, 4'000'000'000u)), "do not fit");
+  expectRefused(write("box.ply", plyText(box_, 4'000'000'000u)), "do not fit");
+  expectRefused(write("box.off", "OFF\n4000000000 1 0\n0 0 0\n"), "do not fit");
+  expectRefused(write("more.off", "OFF 8 4000000000 0\n0 0 0\n"), "do not fit");
+}
+
+TEST_F(MeshFile, CutShortAnywhereIsRefusedOrStillAMesh) {
+  const std::pair<const char*, std::string> files[] = {
+      {"cut.obj", objText(box_)},
+      {"cut.off", offText(box_)},
+      {"cut.ply", plyText(box_, box_.triangles.size())},
+      {"cut.stl", stlBytes(box_, static_cast<std::uint32_t>(box_.triangles.size()))}};
+  for (const auto& [name, content] : files) {
+    for (std::size_t length = 1; length < content.size(); length += 37) {
+      const auto file = write(name, content.substr(0, length));
+      try {
+        EXPECT_TRUE(checkMesh(readMeshFile(file)).isReadable()) << name << " cut to " << length;
+      } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find(name), std::string::npos);
+      }
+    }
+  }
+}
+
+TEST_F(MeshFile, OfOurOwnIsASolid) {
+  for (const char* name : {"ball", "ring", "camel", "star", "wedge"}) {
+    const auto file = std::filesystem::path(GRANULAR_MESH_DIR) / (std::string(name) + ".obj");
+    const MeshReport report = checkMesh(readMeshFile(file));
+    EXPECT_TRUE(report.isSolid()) << name << ": " << report.text();
+    EXPECT_EQ(report.degenerateTriangles.count, 0) << name;
+    EXPECT_LT(std::filesystem::file_size(file), 300'000u) << name;
+  }
+}
+
+TEST_F(MeshFile, OfACamelCanBeCovered) {
+  CoverReport report;
+  const TriangleMesh camel = readMeshFile(std::filesystem::path(GRANULAR_MESH_DIR) / "camel.obj");
+  coverMesh(camel, {.particleRadius = 0.03}, &report);
+  EXPECT_TRUE(report.holesClosed) << report.text();
+  EXPECT_LT(report.envelopeMean, 0.4 * 0.03);
+}
+
+}  // namespace
+}  // namespace granular
