@@ -70,6 +70,8 @@ BuiltScene::BuiltScene(SceneDef def, int threads) : def_(std::move(def)) {
   world_ = std::make_unique<bullet_bridge::GranularDynamicsWorld>(&dispatcher_, &broadphase_, &solver_,
                                                                   &configuration_, layer);
   world_->setGravity(toBullet(def_.gravity));
+  grains().setGravity(
+      def_.gravity);  // the world hands it over at its first step; the energy at the start needs it now
   addMaterials();
   addShapes();
   const double smallest = smallestGrainRadius();

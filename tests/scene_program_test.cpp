@@ -82,11 +82,12 @@ TEST(Program, ListsTheScenes) {
 }
 
 TEST(Program, RefusesAnUnknownSceneInOneLine) {
-  const Program program(scratchFolder("unknown"), {"run", "beach"});
+  const auto folder = scratchFolder("unknown");
+  const Program program(folder, {"run", "beach"});
   EXPECT_EQ(program.wait(), 2);
   EXPECT_EQ(program.output(), "");
   EXPECT_TRUE(program.errors().starts_with("beach: no such file or scene; scenes: ")) << program.errors();
-  EXPECT_EQ(std::count(program.errors().begin(), program.errors().end(), '\n'), 1);
+  EXPECT_EQ(linesIn(folder / "stderr"), 1);
 }
 
 TEST(Program, RefusesAWrongSceneFileInOneLine) {

@@ -46,7 +46,7 @@ struct CoverDef {
 };
 
 /// Factor by which the largest hole of a relaxed layer is wider than that of an even one (CoverDef::density).
-constexpr double kUnevenness = 1.25;
+inline constexpr double kUnevenness = 1.25;
 
 /// What came of it. Lengths in m.
 struct CoverReport {
