@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The subcommands of granular_bench. Each adds itself to the command line and sets the exit status when it
+// has run.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace granular_bench {
+
+/// `restitution [--out DIR]`: figure 3 of the paper, PNG and CSV.
+void addRestitutionCommand(CLI::App& app, int& status);
+
+/// `verify [--only TEXT] [--long] [--list] [--csv FILE] [--plots DIR]`: the table of all cases with known
+/// answers; status 1 if one fails.
+void addVerifyCommand(CLI::App& app, int& status);
+
+}  // namespace granular_bench

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "tests/verification/covering_drop.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/verification/impact.h"
+
+namespace granular::verification {
+namespace {
+
+const MaterialDef kStone{.name = "stone", .youngsModulus = 1e7, .poissonRatio = 0.3};
+
+/// Height of the cube's centre when its lowest point touches the plane, m.
+double touchingHeight(CubePose pose) {
+  const double parts = pose == CubePose::Flat ? 1.0 : pose == CubePose::Edge ? 2.0 : 3.0;
+  return 0.5 * kCubeSide * std::sqrt(parts);
+}
+
+class CubeOnPlane {
+ public:
+  CubeOnPlane(const Covering& covering, const MaterialPairDef& pair, const RigidMotion& motion,
+              const Vector3& gravity, const IntegratorDef& integrator)
+      : system_({.gravity = gravity, .integrator = integrator}) {
+    const MaterialId cube = system_.addMaterial(kStone), floor = system_.addMaterial(kStone);
+    system_.setMaterialPair(cube, floor, pair);
+    addPlane(system_, floor);
+    body_ = system_.addBody({.motion = BodyMotion::Dynamic,
+                             .covering = covering,
+                             .material = cube,
+                             .mass = kCubeMass,
+                             .principalInertia = Vector3::Constant(kCubeMass * kCubeSide * kCubeSide / 6.0),
+                             .pose = motion.pose,
+                             .velocity = motion.velocity});
+  }
+  GranularSystem& system() { return system_; }
+  RigidMotion motion() const { return system_.bodyMotion(body_); }
+  Wrench contact() { return system_.contactWrench(body_); }
+  void setMotion(const RigidMotion& motion) { system_.setBodyMotion(body_, motion); }
+  void setLoad(const Vector3& force) { system_.setBodyLoad(body_, {.force = force}); }
+
+ private:
+  GranularSystem system_;
+  BodyId body_;
+};
+
+Pose placed(CubePose pose, double depth) {
+  return {.position = {0.0, touchingHeight(pose) - depth, 0.0}, .orientation = orientationOf(pose)};
+}
+
+}  // namespace
+
+const char* nameOf(CubePose pose) {
+  return pose == CubePose::Flat ? "flat" : pose == CubePose::Edge ? "edge" : "corner";
+}
+
+Quaternion orientationOf(CubePose pose) {
+  const double z = pose == CubePose::Corner ? -1.0 : 0.0, x = pose == CubePose::Flat ? 0.0 : -1.0;
+  return Quaternion::FromTwoVectors(Vector3(x, -1.0, z).normalized(), -Vector3::UnitY());
+}
+
+Covering cubeCovering(int n) {
+  Covering covering;
+  const double cell = kCubeSide / n;
+  const auto place = [&](int i) { return (i + 0.5) * cell - 0.5 * kCubeSide; };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      for (int k = 0; k < n; ++k) {
+        const std::array<int, 3> index{i, j, k};
+        Matrix3 area = Matrix3::Zero();
+        for (int axis = 0; axis < 3; ++axis) {
+          if (index[axis] == 0) area(axis, axis) += cell * cell;
+          if (index[axis] == n - 1) area(axis, axis) += cell * cell;
+        }
+        if (area.isZero()) continue;
+        covering.positions.push_back({place(i), place(j), place(k)});
+        covering.radii.push_back(0.5 * cell);
+        covering.areas.push_back(area);
+      }
+    }
+  }
+  return covering;
+}
+
+Covering footCovering(int n) {
+  Covering covering;
+  const double cell = kCubeSide / n;
+  const auto place = [&](int i) { return (i + 0.5) * cell - 0.5 * kCubeSide; };
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      covering.positions.push_back({place(i), 0.5 * (cell - kCubeSide), place(k)});
+      covering.radii.push_back(0.5 * cell);
+      covering.areas.push_back(cell * cell * Vector3::UnitY() * Vector3::UnitY().transpose());
+    }
+  }
+  return covering;
+}
+
+CubeBounce dropCube(const CubeDrop& drop) {
+  const double gap = 0.01 * kCubeSide;
+  CubeOnPlane cube(
+      drop.covering,
+      {.restitution = drop.restitution, .restitutionSpeed = drop.restitutionSpeed, .friction = 0.0},
+      {.pose = placed(drop.pose, -gap), .velocity = {0.0, -drop.speed, 0.0}}, Vector3::Zero(),
+      drop.integrator);
+  CubeBounce bounce;
+  const double dt = 1e-4;
+  for (int n = 0; n < 100000; ++n) {
+    const StepReport report = cube.system().step(dt);
+    const RigidMotion now = cube.motion();
+    bounce.overlap = std::max(bounce.overlap, touchingHeight(drop.pose) - now.pose.position.y());
+    if (report.contacts > 0 || now.velocity.y() <= 0.0) continue;
+    bounce.restitution = now.velocity.y() / drop.speed;
+    return bounce;
+  }
+  throw std::runtime_error("dropCube: the cube does not leave the plane");
+}
+
+double cubeStiffness(const Covering& covering, CubePose pose, double depth) {
+  CubeOnPlane cube(covering, {.friction = 0.0}, {.pose = placed(pose, depth)}, Vector3::Zero(), {});
+  return cube.contact().force.y() / depth;
+}
+
+CubeFriction slideCube(const Covering& covering, double friction) {
+  const double g = 9.81;
+  MaterialPairDef pair{.restitution = 0.2, .restitutionSpeed = 0.02, .friction = friction};
+  pair.shear = {.law = ShearLaw::StaticFriction, .dampingRatio = 0.5};
+  CubeOnPlane cube(covering, pair, {.pose = placed(CubePose::Flat, 0.0)}, {0.0, -g, 0.0},
+                   {.tolerance = 1e-6});
+  cube.system().step(0.5);
+  CubeFriction result;
+  const double load = 0.3 * friction * kCubeMass * g, before = cube.motion().pose.position.x();
+  cube.setLoad({load, 0.0, 0.0});
+  cube.system().step(0.5);
+  result.shearStiffness = load / (cube.motion().pose.position.x() - before);
+  cube.setLoad(Vector3::Zero());
+  RigidMotion pushed = cube.motion();
+  pushed.velocity.x() = 1.0;
+  cube.setMotion(pushed);
+  cube.system().step(0.02);
+  const double fast = cube.motion().velocity.x();
+  cube.system().step(0.1);
+  result.coefficient = (fast - cube.motion().velocity.x()) / (0.1 * g);
+  return result;
+}
+
+std::vector<CoveringSeries> coveringSeries(const std::vector<int>& cellsPerEdge) {
+  std::vector<CoveringSeries> all;
+  for (const CubePose pose : {CubePose::Flat, CubePose::Edge, CubePose::Corner}) {
+    CoveringSeries series{.pose = pose};
+    for (const int n : cellsPerEdge) {
+      const Covering covering = cubeCovering(n);
+      const CubeBounce bounce = dropCube({.covering = covering, .pose = pose});
+      series.particles.push_back(static_cast<double>(covering.positions.size()));
+      series.restitution.push_back(bounce.restitution);
+      series.overlap.push_back(bounce.overlap);
+      series.stiffness.push_back(cubeStiffness(covering, pose, 0.02 * kCubeSide));
+    }
+    all.push_back(series);
+  }
+  return all;
+}
+
+}  // namespace granular::verification
