@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <stdexcept>
 
 #include "demos/scene_readers.h"
+#include "granular/contact/pair_law.h"
 
 namespace granular_demo {
 namespace {
 
-constexpr Range kRestitution = {.low = 0.0, .high = 1.0, .openLow = true};
+constexpr Range kRestitution = {.low = 0.01, .high = 1.0};
 
 granular::MaterialDef readMaterial(const std::string& name, const JsonPlace& place) {
   JsonObject object(place);
@@ -22,17 +24,40 @@ granular::MaterialDef readMaterial(const std::string& name, const JsonPlace& pla
   return def;
 }
 
-void readNormalLaw(JsonObject object, granular::MaterialPairDef& law) {
-  object.choice("law", {"hertz-viscoelastic"});
-  law.restitution = object.optionalNumber("restitution", kRestitution);
-  law.restitutionSpeed = object.number("atSpeed", Range::positive(), law.restitutionSpeed);
+granular::NormalLaw readNormalLawName(JsonObject& object, granular::NormalLaw fallback) {
+  static const std::vector<std::string> kNames = {
+      "hertz-viscoelastic", "hertz-tsuji", "hertz-constant-damping", "linear-spring", "elastic-foundation"};
+  return static_cast<granular::NormalLaw>(object.choice("law", kNames, static_cast<std::size_t>(fallback)));
+}
+
+void readNormalConstants(JsonObject& object, granular::NormalLawDef& law) {
+  law.law = readNormalLawName(object, law.law);
+  law.stiffness = object.optionalNumber("stiffness", Range::positive());
+  law.damping = object.optionalNumber("damping", Range::notNegative());
+  law.attraction = object.boolean("attraction", law.attraction);
+}
+
+void readNormalLaw(JsonObject object, granular::MaterialPairDef& pair) {
+  pair.restitution = object.optionalNumber("restitution", kRestitution);
+  pair.restitutionSpeed = object.number("atSpeed", Range::positive(), pair.restitutionSpeed);
+  pair.normal.contactTime = object.optionalNumber("contactTime", Range::positive());
+  readNormalConstants(object, pair.normal);
   object.finish();
 }
 
-void readShearLaw(JsonObject object, granular::MaterialPairDef& law) {
-  object.choice("law", {"regularised-coulomb"});
-  law.friction = object.optionalNumber("friction", Range::notNegative());
-  law.shearViscosity = object.optionalNumber("viscosity", Range::notNegative());
+void readBodyNormalLaw(JsonObject object, granular::MaterialPairDef& pair) {
+  readNormalConstants(object, pair.bodyNormal);
+  object.finish();
+}
+
+void readShearLaw(JsonObject object, granular::MaterialPairDef& pair) {
+  static const std::vector<std::string> kNames = {"regularised-coulomb", "static-friction", "coulomb",
+                                                  "viscous"};
+  pair.shear.law = static_cast<granular::ShearLaw>(object.choice("law", kNames, 0));
+  pair.friction = object.optionalNumber("friction", Range::notNegative());
+  pair.shear.viscosity = object.optionalNumber("viscosity", Range::notNegative());
+  pair.shear.stiffness = object.optionalNumber("stiffness", Range::positive());
+  pair.shear.dampingRatio = object.optionalNumber("dampingRatio", {.low = 0.0, .high = 1.0});
   object.finish();
 }
 
@@ -49,8 +74,14 @@ PairDef readPair(const JsonPlace& place, const std::vector<std::string>& materia
     }
   }
   if (object.has("normal")) readNormalLaw(object.object("normal"), pair.law);
+  if (object.has("bodyNormal")) readBodyNormalLaw(object.object("bodyNormal"), pair.law);
   if (object.has("shear")) readShearLaw(object.object("shear"), pair.law);
   object.finish();
+  try {
+    granular::checkMaterialPair(pair.law);  // laws and constants that contradict each other
+  } catch (const std::invalid_argument& error) {
+    place.fail(std::string("laws that agree with each other (") + error.what() + ")");
+  }
   return pair;
 }
 

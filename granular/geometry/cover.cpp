@@ -143,7 +143,7 @@ class Coverer {
       measureHoles(set_.radius + fillBound());
     }
     describe(report);
-    return {positions_, std::vector<double>(positions_.size(), set_.radius)};
+    return {positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
   }
 
  private:
@@ -365,6 +365,25 @@ class Coverer {
     report.spacingMax = spacing.back();
   }
 
+  /// Covering::areas: every piece of the mesh surface goes to the particle whose centre is nearest.
+  std::vector<Matrix3> shareSurface() const {
+    std::vector<Matrix3> areas(positions_.size(), Matrix3::Zero());
+    const detail::PointGrid grid(positions_, 2.0 * set_.radius);
+    const double areaEach =
+        surfaceArea(mesh_) / static_cast<double>(std::max<std::size_t>(1, meshSamples_.size()));
+    for (const SurfacePoint& s : meshSamples_) {
+      const std::int32_t nearest =
+          grid.nearestIndex(s.point, kFarthestHole * set_.radius + std::abs(set_.offset));
+      if (nearest >= 0) areas[nearest] += areaEach * s.normal * s.normal.transpose();
+    }
+    // A particle that stands where others are nearer to the surface carries none of it: the least that
+    // counts.
+    for (Matrix3& area : areas) {
+      if (area.trace() == 0.0) area = 1e-6 * set_.radius * set_.radius * Matrix3::Identity();
+    }
+    return areas;
+  }
+
   void describeEnvelope(const detail::PointGrid& grid, CoverReport& report) const {
     double sum = 0.0;
     for (const SurfacePoint& s : meshSamples_) {
@@ -424,6 +443,13 @@ std::string CoverReport::text() const {
 }
 
 void append(Covering& covering, const Covering& more) {
+  // Where only one side knows what its particles stand for, neither does.
+  const bool bothKnow = (covering.positions.empty() || !covering.areas.empty()) && !more.areas.empty();
+  if (bothKnow) {
+    covering.areas.insert(covering.areas.end(), more.areas.begin(), more.areas.end());
+  } else {
+    covering.areas.clear();
+  }
   covering.positions.insert(covering.positions.end(), more.positions.begin(), more.positions.end());
   covering.radii.insert(covering.radii.end(), more.radii.begin(), more.radii.end());
 }

@@ -78,6 +78,22 @@ class PointGrid {
     return close < cell_ || cell_ >= farthest ? close : nearestWithin(p, farthest, except);
   }
 
+  /// Index of the point nearest to p, the smallest where several are; -1 if none is nearer than `farthest`,
+  /// m.
+  std::int32_t nearestIndex(const Vector3& p, double farthest) const {
+    std::int32_t index = -1;
+    double best = farthest * farthest;
+    for (double radius = std::min(cell_, farthest); index < 0; radius = farthest) {
+      best = radius * radius;
+      forEachNear(p, radius, [&](std::int32_t i, const Vector3& q) {
+        const double squared = (q - p).squaredNorm();
+        if (squared < best || (squared == best && i < index)) best = squared, index = i;
+      });
+      if (radius == farthest) break;
+    }
+    return index;
+  }
+
  private:
   struct Entry {
     Vector3 point;
