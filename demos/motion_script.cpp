@@ -8,7 +8,7 @@
 namespace granular_demo {
 namespace {
 
-Vector3 pathOffset(const std::vector<ScriptDef::Point>& path, double time) {
+Vector3 pathOffset(const std::vector<ScriptPoint>& path, double time) {
   if (path.empty()) return Vector3::Zero();
   const auto after =
       std::find_if(path.begin(), path.end(), [&](const auto& point) { return point.time > time; });
@@ -20,14 +20,14 @@ Vector3 pathOffset(const std::vector<ScriptDef::Point>& path, double time) {
 }
 
 /// Zero before `from`; stays where it is at `to`.
-Vector3 shakeOffset(const ScriptDef::Shake& shake, double time) {
+Vector3 shakeOffset(const ScriptShake& shake, double time) {
   if (time < shake.from) return Vector3::Zero();
   const double since = std::min(time, shake.to) - shake.from;
   const double angle = 2.0 * std::numbers::pi * shake.frequency * since + shake.phase;
   return (std::sin(angle) - std::sin(shake.phase)) * shake.amplitude;
 }
 
-Quaternion turned(const ScriptDef::Turn& turn, double time) {
+Quaternion turned(const ScriptTurn& turn, double time) {
   const double since = std::clamp(time, turn.from, turn.to) - turn.from;
   return Quaternion(Eigen::AngleAxisd(turn.rate * since, turn.axis));
 }

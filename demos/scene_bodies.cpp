@@ -94,8 +94,8 @@ CoveringPart readCovering(JsonObject object) {
   return part;
 }
 
-std::vector<ScriptDef::Point> readPath(const JsonPlace& place) {
-  std::vector<ScriptDef::Point> path;
+std::vector<ScriptPoint> readPath(const JsonPlace& place) {
+  std::vector<ScriptPoint> path;
   for (const JsonPlace& element : place.elements()) {
     JsonObject object(element);
     const Range later = path.empty() ? Range::notNegative() : Range{.low = path.back().time, .openLow = true};
@@ -111,7 +111,7 @@ ScriptDef readScript(const JsonPlace& place) {
   if (object.has("path")) script.path = readPath(object.at("path"));
   if (object.has("shake")) {
     JsonObject shake = object.object("shake");
-    ScriptDef::Shake& def = script.shake.emplace();
+    ScriptShake& def = script.shake.emplace();
     def.amplitude = shake.vector3("amplitude");
     def.frequency = shake.number("frequency", Range::positive());
     def.phase = shake.number("phase", Range::any(), 0.0);
@@ -121,7 +121,7 @@ ScriptDef readScript(const JsonPlace& place) {
   }
   if (object.has("turn")) {
     JsonObject turn = object.object("turn");
-    ScriptDef::Turn& def = script.turn.emplace();
+    ScriptTurn& def = script.turn.emplace();
     def.axis = turn.direction("axis", Vector3::UnitY()).normalized();
     def.rate = turn.number("rate", Range::any());
     def.from = turn.number("from", Range::notNegative(), 0.0);

@@ -136,28 +136,32 @@ struct BodyLook {
   Color particleColor = Color(0.55f, 0.52f, 0.48f);
 };
 
+/// One point on the way of a kinematic body.
+struct ScriptPoint {
+  double time = 0.0;                 ///< s
+  Vector3 offset = Vector3::Zero();  ///< m, from where the body was placed
+};
+
+struct ScriptShake {
+  Vector3 amplitude = Vector3::Zero();  ///< m
+  double frequency = 0.0;               ///< Hz
+  double phase = 0.0;                   ///< rad
+  double from = 0.0;                    ///< s
+  double to = 0.0;                      ///< s
+};
+
+struct ScriptTurn {
+  Vector3 axis = Vector3::UnitY();
+  double rate = 0.0;  ///< rad/s
+  double from = 0.0;  ///< s
+  double to = 0.0;    ///< s
+};
+
 /// How a kinematic body moves from where it was placed: the sum of what is given.
 struct ScriptDef {
-  struct Point {
-    double time = 0.0;
-    Vector3 offset = Vector3::Zero();
-  };
-  struct Shake {
-    Vector3 amplitude = Vector3::Zero();
-    double frequency = 0.0;  ///< Hz
-    double phase = 0.0;      ///< rad
-    double from = 0.0;       ///< s
-    double to = 0.0;         ///< s
-  };
-  struct Turn {
-    Vector3 axis = Vector3::UnitY();
-    double rate = 0.0;  ///< rad/s
-    double from = 0.0;  ///< s
-    double to = 0.0;    ///< s
-  };
-  std::vector<Point> path;  ///< straight between points, at rest before the first and after the last
-  std::optional<Shake> shake;
-  std::optional<Turn> turn;
+  std::vector<ScriptPoint> path;  ///< straight between points, at rest before the first and after the last
+  std::optional<ScriptShake> shake;
+  std::optional<ScriptTurn> turn;
 };
 
 struct BodyPart {

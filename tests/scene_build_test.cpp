@@ -117,15 +117,14 @@ TEST(MotionScript, GoesStraightBetweenThePointsOfItsPath) {
 }
 
 TEST(MotionScript, ShakesAsASine) {
-  const ScriptDef script = {.path = {}, .shake = ScriptDef::Shake{{0, 2, 0}, 0.5, 0, 1, 10}, .turn = {}};
+  const ScriptDef script = {.path = {}, .shake = ScriptShake{{0, 2, 0}, 0.5, 0, 1, 10}, .turn = {}};
   EXPECT_EQ(poseAt(script, {}, 0.9).position.y(), 0.0);
   // Half a second after the start at 0.5 Hz is a quarter period: the crest.
   EXPECT_NEAR(poseAt(script, {}, 1.5).position.y(), 2.0, 1e-12);
 }
 
 TEST(MotionScript, TurnsAtItsRateBetweenItsTimes) {
-  const ScriptDef script = {
-      .path = {}, .shake = {}, .turn = ScriptDef::Turn{{0, 0, 1}, std::numbers::pi, 1, 1.5}};
+  const ScriptDef script = {.path = {}, .shake = {}, .turn = ScriptTurn{{0, 0, 1}, std::numbers::pi, 1, 1.5}};
   EXPECT_LT((poseAt(script, {}, 4.0).orientation * Vector3::UnitX() - Vector3::UnitY()).norm(), 1e-12);
 }
 
