@@ -445,7 +445,7 @@ TEST(GranularSystem, TrialLimitIsReportedAndTimeIsNotDropped) {
   const StepReport report = system.step(0.2);
   EXPECT_TRUE(has(report.flags, StepFlag::TrialLimitReached));
   EXPECT_DOUBLE_EQ(report.time, 0.2);
-  EXPECT_LE(report.subSteps + report.rejectedTrials, 42);
+  EXPECT_LE(report.subSteps + report.rejectedTrials, 62);
 }
 
 TEST(GranularSystem, RefusesWhatIsNotInIt) {

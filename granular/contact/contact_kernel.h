@@ -19,6 +19,7 @@ struct ContactGeometry {
   Vector3 V = Vector3::Zero();      ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
   Vector3 turning =
       Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
+  bool slides = false;  ///< when the last sub-step was accepted; laws with memory only
   bool isNew = false;   ///< begun within the present trial; laws with memory only
   double share = 1.0;   ///< area, m^2, that laws by area are multiplied with
 };
@@ -27,6 +28,7 @@ struct ContactGeometry {
 struct ContactMemory {
   Vector3 displacement = Vector3::Zero();  ///< D once the sub-step is accepted, m
   Vector3 rate = Vector3::Zero();          ///< of D, m/s
+  bool slides = false;                     ///< from then on
   double energy = 0.0;                     ///< stored in the spring once the sub-step is accepted, J
   double loss = 0.0;                       ///< energy given up when it is, J
   double heating = 0.0;                    ///< what that adds to the dissipation at this moment, W
@@ -61,13 +63,13 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
     const double growth = stiffnessPower<Normal>(shear) * xiDot / g.xi;  // kt' / kt
     const double friction = std::max(0.0, fn);
     const Vector3 Dt = D - D.dot(g.N) * g.N;
-    const Vector3 held = g.isNew ? Shear::begun(shear, friction, kt, Vt, Dt) : Dt;
-    Ft = Shear::force(shear, friction, kt, Vt, held);
+    Ft = Shear::force(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
     // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
     // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
     // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper.
     memory->rate = Vt - std::max(0.0, growth) * Dt + g.turning.cross(Dt);
-    memory->displacement = Shear::settled(shear, friction, kt, Vt, held);
+    memory->slides = Shear::slides(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
+    memory->displacement = Shear::settled(shear, friction, kt, Vt, Dt, memory->slides);
     memory->energy = 0.5 * g.share * kt * memory->displacement.squaredNorm();
     memory->loss = 0.5 * g.share * kt * Dt.squaredNorm() - memory->energy;
     const auto heating = [&](const Vector3& d) {  // what the spring at d takes from the power of friction

@@ -15,18 +15,21 @@ struct StaticFriction {
   static constexpr bool kHasMemory = true;
 
   /// On particle 1, N. fn = magnitude of the normal force, N; kt = tangential stiffness, N/m; Vt, m/s; D, m.
-  static Vector3 force(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D) {
+  /// Whether the contact slid before is no matter here.
+  static Vector3 force(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
+                       bool) {
     return -limited(c.mu * fn, kt * D + c.dashpot * Vt);
   }
-  /// D once the sub-step is accepted, m: the same force at the Coulomb limit.
-  static Vector3 settled(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D) {
-    const Vector3 T = kt * D + c.dashpot * Vt;
-    if (T.squaredNorm() <= c.mu * fn * c.mu * fn) return D;
-    return (limited(c.mu * fn, T) - c.dashpot * Vt) / kt;
+  /// Whether friction is at its limit once the sub-step is accepted.
+  static bool slides(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
+                     bool) {
+    return (kt * D + c.dashpot * Vt).squaredNorm() > c.mu * fn * c.mu * fn;
   }
-
-  /// D of a contact that has just begun and slid as far as D, m.
-  static Vector3 begun(const ShearConstants&, double, double, const Vector3&, const Vector3& D) { return D; }
+  /// D from then on, m: the same force at the limit.
+  static Vector3 settled(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
+                         bool slides) {
+    return slides ? Vector3((limited(c.mu * fn, kt * D + c.dashpot * Vt) - c.dashpot * Vt) / kt) : D;
+  }
 
   /// T, or as much of it as the limit allows, N.
   static Vector3 limited(double limit, const Vector3& T) {

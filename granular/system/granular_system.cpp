@@ -26,6 +26,9 @@ void checkIntegrator(const IntegratorDef& def) {
   requirePositive(def.tolerance, "IntegratorDef.tolerance", "radii");
   require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= 0.3,
           "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "", "in (0, 0.3]");
+  require(def.eventFraction > 0.0 && def.eventFraction <= 1.0, "IntegratorDef.eventFraction",
+          def.eventFraction, "", "in (0, 1]");
+  require(def.eventContacts >= 0, "IntegratorDef.eventContacts", def.eventContacts, "contacts", ">= 0");
   requirePositive(def.smallestSubStep, "IntegratorDef.smallestSubStep", "s");
   require(def.trialLimit > 0, "IntegratorDef.trialLimit", def.trialLimit, "trials", "> 0");
 }

@@ -83,11 +83,9 @@ void writeCoverings(const std::filesystem::path& folder) {
   restitution.y.low = 0.4;
   restitution.y.high = 0.6;
   granular_demo::Panel stiffness{
-      .title = "Force over depth at rest, 2 % deep", .x = particles, .y = {.label = "N/m"}};
-  stiffness.y.scale = granular_demo::Scale::logarithmic;
+      .title = "Stiffness at rest", .x = particles, .y = {.label = "force over that of the true cube"}};
   granular_demo::Panel overlap{
-      .title = "Deepest overlap of the true cube", .x = particles, .y = {.label = "m"}};
-  overlap.y.scale = granular_demo::Scale::logarithmic;
+      .title = "Deepest overlap without loss", .x = particles, .y = {.label = "over that of the true cube"}};
   for (const verification::CoveringSeries& s : all) {
     const auto add = [&](granular_demo::Panel& panel, const std::vector<double>& values) {
       panel.series.push_back(
@@ -102,7 +100,7 @@ void writeCoverings(const std::filesystem::path& folder) {
     }
   }
   granular_demo::writeFigure(
-      {.title = "A covered cube dropped on a plane at 0.5 m/s, by how densely it is covered",
+      {.title = "A covered cube dropped flat, on its edge and on its corner, by how densely it is covered",
        .panels = {restitution, stiffness, overlap},
        .columns = 3},
       folder / "covering.png");

@@ -156,8 +156,8 @@ std::vector<Check> oppositeSpins(const ChungOoiMaterial& material) {
                     .velocity = {0, -0.4, 0},
                     .spin = {0, 0, w},
                     .otherSpin = {0, 0, -w},
-                    .gap = 1e-3,
-                    .integrator = convergedIntegrator()};
+                    .gap = 1e-3};
+      def.integrator = convergedIntegrator(def);
       def.step = hertzDuration(def);
       const ImpactResult result = simulateImpact(def);
       const char* laws[] = {"law 18", "law 19", "law 17"};
@@ -185,7 +185,8 @@ std::vector<Check> againstAHeavyBall(const ChungOoiMaterial& material) {
     const ObliqueRebound onPlane = measureOblique(plane), onBall = measureOblique(ball);
     checks.push_back(
         relative("v_t', m/s" + atWhat(s), onPlane.tangentialSpeed, onBall.tangentialSpeed, 0.01));
-    checks.push_back(relative("w', rad/s" + atWhat(s), onPlane.spin, onBall.spin, 0.01));
+    checks.push_back(
+        relative("change of spin, rad/s" + atWhat(s), onPlane.spin - s.spin, onBall.spin - s.spin, 0.01));
   }
   return checks;
 }
@@ -208,6 +209,9 @@ void addChungOoiCases(CaseList& cases) {
                                                      {"sliding-law18", ShearLaw::RegularisedCoulomb},
                                                      {"sliding-law19", ShearLaw::StaticFriction}};
     for (const auto& [name, law] : laws) {
+      // A damper of Tsuji's kind pushes at first touch, where the spring of law 19 is not yet loaded: with e
+      // = 0.5 it cannot slide throughout. The independent integration of `spring` covers it.
+      if (test == 6 && law == ShearLaw::StaticFriction) continue;
       add(test, name,
           [test, which = law](const auto& material) { return grossSliding(test, material, which); });
     }

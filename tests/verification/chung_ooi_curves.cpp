@@ -215,8 +215,8 @@ ImpactDef impactOf(const ObliqueSetUp& s, ShearLaw law) {
                          .shear = {.law = law}},
                 .velocity = {s.tangentialSpeed, -s.normalSpeed, 0.0},
                 .spin = {0.0, 0.0, s.spin},
-                .gap = 1e-3,
-                .integrator = convergedIntegrator()};
+                .gap = 1e-3};
+  def.integrator = convergedIntegrator(def);
   def.step = hertzDuration(def);
   if (law == ShearLaw::RegularisedCoulomb) {
     // So viscous that friction is full down to a small part of the surface speed that sliding throughout
@@ -247,17 +247,17 @@ ObliqueRebound referenceOblique(const ObliqueSetUp& s) {
     (std::exp(-z * angle) > s.restitution ? low : high) = z;
   }
   const double kd = s.restitution < 1.0 ? std::sqrt(5.0) * low * std::sqrt(mass * kr) : 0.0;
-  const ObliqueResult result =
-      referenceOblique({.normal = powerLaw(0.25, 1.5, kr, kd),
-                        .shearStiffness =  // Mindlin's ratio times the slope of Hertz's force
-                        [=](double xi) { return (1.0 - nu) / (1.0 - 0.5 * nu) * 1.5 * kr * std::sqrt(xi); },
-                        .friction = s.friction,
-                        .mass = mass,
-                        .radius = s.radius,
-                        .normalSpeed = s.normalSpeed,
-                        .tangentialSpeed = s.tangentialSpeed,
-                        .spin = s.spin,
-                        .timeScale = hertzDuration(def)});
+  const ObliqueResult result = referenceOblique(
+      {.normal = powerLaw(0.25, 1.5, kr, kd),
+       .shearStiffness = (1.0 - nu) / (1.0 - 0.5 * nu) * 1.5 * kr,  // Mindlin's ratio times Hertz's slope
+       .stiffnessPower = 0.5,
+       .friction = s.friction,
+       .mass = mass,
+       .radius = s.radius,
+       .normalSpeed = s.normalSpeed,
+       .tangentialSpeed = s.tangentialSpeed,
+       .spin = s.spin,
+       .timeScale = hertzDuration(def)});
   return {result.normalSpeed, result.tangentialSpeed, result.spin};
 }
 
@@ -300,8 +300,8 @@ ImpactDef elasticImpact(int test, const ChungOoiMaterial& material) {
                 .pair = {.restitution = 1.0},
                 .velocity = {0.0, test == 1 ? -20.0 : -0.2, 0.0},
                 .gap = 1e-3,
-                .integrator = convergedIntegrator(),
                 .keepHistory = true};
+  def.integrator = convergedIntegrator(def);
   def.step = hertzDuration(def) / 800.0;
   return def;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/verification/impact.h"
@@ -12,6 +13,13 @@ namespace granular::verification {
 namespace {
 
 const MaterialDef kStone{.name = "stone", .youngsModulus = 1e7, .poissonRatio = 0.3};
+
+/// kStiffness, no friction.
+MaterialPairDef givenPair(double restitution) {
+  return {.restitution = restitution,
+          .friction = 0.0,
+          .bodyNormal = {.law = NormalLaw::ElasticFoundation, .stiffness = kStiffness}};
+}
 
 /// Height of the cube's centre when its lowest point touches the plane, m.
 double touchingHeight(CubePose pose) {
@@ -100,11 +108,9 @@ Covering footCovering(int n) {
 
 CubeBounce dropCube(const CubeDrop& drop) {
   const double gap = 0.01 * kCubeSide;
-  CubeOnPlane cube(
-      drop.covering,
-      {.restitution = drop.restitution, .restitutionSpeed = drop.restitutionSpeed, .friction = 0.0},
-      {.pose = placed(drop.pose, -gap), .velocity = {0.0, -drop.speed, 0.0}}, Vector3::Zero(),
-      drop.integrator);
+  CubeOnPlane cube(drop.covering, drop.pair,
+                   {.pose = placed(drop.pose, -gap), .velocity = {0.0, -drop.speed, 0.0}}, Vector3::Zero(),
+                   drop.integrator);
   CubeBounce bounce;
   const double dt = 1e-4;
   for (int n = 0; n < 100000; ++n) {
@@ -119,8 +125,34 @@ CubeBounce dropCube(const CubeDrop& drop) {
 }
 
 double cubeStiffness(const Covering& covering, CubePose pose, double depth) {
-  CubeOnPlane cube(covering, {.friction = 0.0}, {.pose = placed(pose, depth)}, Vector3::Zero(), {});
+  CubeOnPlane cube(covering, givenPair(1.0), {.pose = placed(pose, depth)}, Vector3::Zero(), {});
   return cube.contact().force.y() / depth;
+}
+
+double exactStiffness(CubePose pose, double depth) {
+  // The pressure kStiffness times depth on the part of the cube below the plane; an area dA of a face with
+  // the normal n pushes along the plane's normal N with its share (n . N)^2 dA.
+  switch (pose) {
+    case CubePose::Flat:
+      return kStiffness * kCubeSide * kCubeSide;
+    case CubePose::Edge:
+      return kStiffness * kCubeSide * depth / std::numbers::sqrt2;
+    case CubePose::Corner:
+      return 0.5 * kStiffness * depth * depth;
+  }
+  return 0.0;
+}
+
+double exactDropSpeed(CubePose pose, double depth) {
+  const double power = pose == CubePose::Flat   ? 2.0
+                       : pose == CubePose::Edge ? 3.0
+                                                : 4.0;  // of the energy in depth
+  return std::sqrt(2.0 * exactStiffness(pose, depth) * depth * depth / (power * kCubeMass));
+}
+
+CubeBounce dropCubeTo(const Covering& covering, CubePose pose, double depth) {
+  const double speed = exactDropSpeed(pose, depth);
+  return dropCube({.covering = covering, .pose = pose, .speed = speed, .pair = givenPair(1.0)});
 }
 
 CubeFriction slideCube(const Covering& covering, double friction) {
@@ -131,10 +163,11 @@ CubeFriction slideCube(const Covering& covering, double friction) {
                    {.tolerance = 1e-6});
   cube.system().step(0.5);
   CubeFriction result;
-  const double load = 0.3 * friction * kCubeMass * g, before = cube.motion().pose.position.x();
+  const auto foot = [&cube] { return cube.motion().pose.toWorld({0.0, -0.5 * kCubeSide, 0.0}).x(); };
+  const double load = 0.3 * friction * kCubeMass * g, before = foot();
   cube.setLoad({load, 0.0, 0.0});
   cube.system().step(0.5);
-  result.shearStiffness = load / (cube.motion().pose.position.x() - before);
+  result.shearStiffness = load / (foot() - before);
   cube.setLoad(Vector3::Zero());
   RigidMotion pushed = cube.motion();
   pushed.velocity.x() = 1.0;
@@ -150,13 +183,13 @@ std::vector<CoveringSeries> coveringSeries(const std::vector<int>& cellsPerEdge)
   std::vector<CoveringSeries> all;
   for (const CubePose pose : {CubePose::Flat, CubePose::Edge, CubePose::Corner}) {
     CoveringSeries series{.pose = pose};
+    const double depth = depthOf(pose);
     for (const int n : cellsPerEdge) {
       const Covering covering = cubeCovering(n);
-      const CubeBounce bounce = dropCube({.covering = covering, .pose = pose});
       series.particles.push_back(static_cast<double>(covering.positions.size()));
-      series.restitution.push_back(bounce.restitution);
-      series.overlap.push_back(bounce.overlap);
-      series.stiffness.push_back(cubeStiffness(covering, pose, 0.02 * kCubeSide));
+      series.restitution.push_back(dropCube({.covering = covering, .pose = pose, .speed = 0.5}).restitution);
+      series.overlap.push_back(dropCubeTo(covering, pose, depth).overlap / depth);
+      series.stiffness.push_back(cubeStiffness(covering, pose, depth) / exactStiffness(pose, depth));
     }
     all.push_back(series);
   }

@@ -24,12 +24,13 @@ Covering cubeCovering(int n);
 /// The same of the face y = -side/2 alone, which stands for its whole area: n^2 particles.
 Covering footCovering(int n);
 
+inline constexpr double kStiffness = 5e7;  ///< of cubes with a given one, N/m^3: what E = 1e7 Pa gives
+
 struct CubeDrop {
   Covering covering = {};
   CubePose pose = CubePose::Flat;
-  double speed = 0.5;             ///< m/s
-  double restitution = 0.5;       ///< asked, at `restitutionSpeed`
-  double restitutionSpeed = 0.5;  ///< m/s
+  double speed = 0.5;  ///< m/s
+  MaterialPairDef pair = {.restitution = 0.5, .restitutionSpeed = 0.5, .friction = 0.0};
   IntegratorDef integrator = {};
 };
 struct CubeBounce {
@@ -38,18 +39,31 @@ struct CubeBounce {
 };
 CubeBounce dropCube(const CubeDrop& drop);
 
-/// Force over depth at rest, depth of the true cube below the plane, N/m.
+/// With kStiffness: force over depth at rest, depth of the true cube below the plane, N/m; and what it is for
+/// the true cube, whose every piece of surface pushes by its depth.
 double cubeStiffness(const Covering& covering, CubePose pose, double depth);
+double exactStiffness(CubePose pose, double depth);
 
-/// A flat cube pushed along the plane: deceleration once it slides over g, and the depth over which it
-/// springs back, N/m (law 19).
+/// Without loss, at the speed (m/s) that takes the true cube to `depth`.
+double exactDropSpeed(CubePose pose, double depth);
+CubeBounce dropCubeTo(const Covering& covering, CubePose pose, double depth);
+
+/// Depth of the comparisons, m: a hundredth of the side flat, a tenth on edge and corner, where a covering
+/// must have several rows of particles below the plane to be like the solid.
+constexpr double depthOf(CubePose pose) {
+  return pose == CubePose::Flat ? 0.01 * kCubeSide : 0.1 * kCubeSide;
+}
+
+/// A flat cube pushed along the plane, law 19: deceleration over g once it slides, and load over displacement
+/// of its foot before that, N/m.
 struct CubeFriction {
   double coefficient = 0.0;
   double shearStiffness = 0.0;
 };
 CubeFriction slideCube(const Covering& covering, double friction);
 
-/// By the number of particles, for the figure.
+/// By the number of particles, for the figure: restitution where 0.5 is asked, stiffness and deepest overlap
+/// over those of the true cube.
 struct CoveringSeries {
   CubePose pose = CubePose::Flat;
   std::vector<double> particles = {}, restitution = {}, stiffness = {}, overlap = {};

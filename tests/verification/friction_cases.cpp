@@ -150,20 +150,23 @@ std::vector<Check> inclineThreshold(Rider rider, ShearLaw law, double mu) {
   return checks;
 }
 
-/// Law 18 holds nothing at rest: m g sin / (sum of kt over the contacts).
+/// Law 18 holds nothing at rest: m g sin / (sum of kt over the contacts), as long as none of them slides: uphill ones
+/// carry less, here 0.85 of the mean at most.
 std::vector<Check> creepOfLaw18(double viscosity) {
   std::vector<Check> checks;
-  for (const double part : {0.3, 0.9}) {
+  for (const double part : {0.3, 0.6}) {
     const double mu = 0.5, angle = std::atan(part * mu);
     MaterialPairDef pair = calmPair(ShearLaw::RegularisedCoulomb, mu);
     pair.shear.viscosity = viscosity;
-    Incline incline(Rider::Clump, pair, 0.01);
-    incline.run(0.2);
-    incline.tilt(angle, 0.1);
+    Incline incline(Rider::Clump, pair, 0.01, {.tolerance = 1e-7});
     incline.run(0.5);
+    incline.tilt(angle, 0.3);
+    incline.run(1.0);
+    const double before = incline.motion().pose.position.x();
+    incline.run(1.0);
     checks.push_back(relative("creep at " + text(part) + " of the limit, m/s",
                               incline.mass() * kGravity * std::sin(angle) / (4.0 * viscosity),
-                              incline.motion().velocity.x(), 1e-4));
+                              incline.motion().pose.position.x() - before, 1e-4));
   }
   return checks;
 }
@@ -255,7 +258,7 @@ std::vector<Check> stackedSpheres(int count, double radius, double modulus) {
     system.addGrain(
         {.shape = shape, .material = material, .pose = {.position = {0.0, (2 * i + 1) * radius, 0.0}}});
   }
-  system.step(3.0);
+  for (int i = 0; i < 180; ++i) system.step(1.0 / 60.0);
   const double weight = massOf(ball) * kGravity;
   const ImpactDef onFloor{.ball = ball, .partner = Partner::Plane, .other = ball};
   const ImpactDef onBall{.ball = ball, .partner = Partner::Ball, .other = ball};

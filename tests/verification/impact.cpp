@@ -183,8 +183,12 @@ double hertzDuration(const ImpactDef& def) {
   return 2.0 * hertzDepth(def) / std::abs(def.velocity.y()) * shape;
 }
 
-IntegratorDef convergedIntegrator() {
-  return {.tolerance = 1e-9, .contactTimeFraction = 0.005};
+IntegratorDef convergedIntegrator(double depth) {
+  return {.tolerance = 1e-9 * depth, .contactTimeFraction = 0.05, .smallestSubStep = 1e-16};
+}
+
+IntegratorDef convergedIntegrator(const ImpactDef& def) {
+  return convergedIntegrator(hertzDepth(def) / def.ball.radius);
 }
 
 BodyId addPlane(GranularSystem& system, MaterialId material, const Vector3& point, const Vector3& up) {

@@ -72,8 +72,10 @@ double effectiveMass(const ImpactDef& def);
 double hertzDuration(const ImpactDef& def);
 double hertzDepth(const ImpactDef& def);
 
-/// Integrator settings of the cases that ask what the law does, not what the integrator does.
-IntegratorDef convergedIntegrator();
+/// Integrator settings of the cases that ask what the law does, not what the integrator does. The tolerance
+/// is in radii, so it follows the depth of the impact, in radii.
+IntegratorDef convergedIntegrator(double depth);
+IntegratorDef convergedIntegrator(const ImpactDef& def);
 
 /// A static body that is the exact half-space below the plane through `point` with the normal `up`.
 BodyId addPlane(GranularSystem& system, MaterialId material, const Vector3& point = Vector3::Zero(),

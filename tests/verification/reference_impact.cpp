@@ -70,23 +70,25 @@ double referenceRestitution(double alpha, double beta, double D, bool attraction
 }
 
 ObliqueResult referenceOblique(const ObliqueDef& def) {
-  using State = std::array<double, 5>;  // xi, xi', v, w, D
+  using State = std::array<double, 5>;  // xi, xi', v, w, T: force of the spring, kt D
   const double inertia = 0.4 * def.mass * def.radius * def.radius;
   const auto normal = [&](const State& y) { return std::max(0.0, def.normal(std::max(y[0], 0.0), y[1])); };
-  const auto slip = [&](const State& y) { return y[2] + y[3] * (def.radius - y[0]); };
   const auto rate = [&](const State& y) {
-    const double fn = normal(y), limit = def.friction * fn;
-    const double ft = -std::clamp(def.shearStiffness(std::max(y[0], 0.0)) * y[4], -limit, limit);
-    return State{y[1], -fn / def.mass, ft / def.mass, ft * (def.radius - y[0]) / inertia, slip(y)};
+    const double xi = std::max(y[0], 0.0), slip = y[2] + y[3] * (def.radius - xi);
+    const double limit = def.friction * normal(y), ft = -std::clamp(y[4], -limit, limit);
+    // Pressed deeper, the spring keeps its force; relieved, it keeps its displacement and loses force with
+    // kt.
+    const double relief = y[1] < 0.0 && xi > 0.0 ? def.stiffnessPower * y[1] / xi * y[4] : 0.0;
+    return State{y[1], -normal(y) / def.mass, ft / def.mass, ft * (def.radius - xi) / inertia,
+                 def.shearStiffness * std::pow(xi, def.stiffnessPower) * slip + relief};
   };
   const double h = def.timeScale / kStepsPerContact;
   State y{0.0, def.normalSpeed, def.tangentialSpeed, def.spin, 0.0};
   for (;;) {
     y = rungeKutta4(y, h, rate);
     if (y[0] <= 0.0 || (y[1] < 0.0 && normal(y) <= 0.0)) break;
-    const double most =
-        def.friction * normal(y) / def.shearStiffness(y[0]);  // the spring gives way at the limit
-    y[4] = std::clamp(y[4], -most, most);
+    const double limit = def.friction * normal(y);  // the spring gives way
+    y[4] = std::clamp(y[4], -limit, limit);
   }
   return {.normalSpeed = -y[1], .tangentialSpeed = y[2], .spin = y[3]};
 }

@@ -29,11 +29,13 @@ ReferenceImpact referenceImpact(const NormalForce& force, double mass, double sp
 /// Restitution of x'' + D x^alpha x' + x^beta = 0, force clamped at no attraction, from unit speed.
 double referenceRestitution(double alpha, double beta, double D, bool attraction = false);
 
-/// The ball above the plane, and friction by a virtual spring (Bell 2005, eq. 19) of stiffness kt(xi), no
-/// dashpot.
+/// The ball above the plane, and friction by a virtual spring (Bell 2005, eq. 19), kt = shearStiffness
+/// xi^stiffnessPower, no dashpot. While the contact is pressed deeper the spring keeps its force, not its
+/// displacement: else it would hand back more energy than it took (Elata & Berryman 1996).
 struct ObliqueDef {
   NormalForce normal = {};
-  std::function<double(double)> shearStiffness = {};  ///< kt(xi), N/m
+  double shearStiffness = 0.0;  ///< kt over xi^stiffnessPower, N/m^(1 + stiffnessPower)
+  double stiffnessPower = 0.0;  ///< 1/2 after Mindlin, 0 for a constant stiffness
   double friction = 0.0;
   double mass = 0.0, radius = 0.0;                              ///< of the ball, kg, m
   double normalSpeed = 0.0, tangentialSpeed = 0.0, spin = 0.0;  ///< m/s, m/s, rad/s: surface speed v + w R

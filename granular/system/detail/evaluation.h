@@ -45,6 +45,7 @@ static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when 
 struct MemoryEntry {
   std::int32_t rank1, rank2;
   double energy;  ///< stored when the last sub-step was accepted, J
+  bool slides;    ///< then
 };
 
 /// The same by names that outlive a layout.
@@ -53,6 +54,7 @@ struct RememberedContact {
   std::int32_t index[2], local[2];  ///< local -1: the exact surface
   Vector3 displacement;
   double energy;
+  bool slides;
 };
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
@@ -72,6 +74,7 @@ static_assert(sizeof(OwnerRow) == 96);
 /// What step control wants to know of an evaluation.
 struct EvaluationSummary {
   std::int64_t contacts = 0;
+  std::int64_t pushing = 0;     ///< contacts whose normal force is not zero
   double largestOverlap = 0.0;  ///< in smaller radii of the pair
   double urgency = 0.0;         ///< largest PairLaw::urgency; 0 without contacts
   double largestSpeed = 0.0;    ///< of any point of any moving owner, at most, m/s
@@ -150,9 +153,10 @@ class Evaluation {
   double surfaceMove(std::int32_t s) const;
   void rememberList();
 
-  /// Largest urgency and overlap (in smaller radii) of some contacts.
+  /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.
   struct Extremes {
     double urgency = 0.0, overlap = 0.0;
+    std::int32_t pushing = 0;
   };
   template <class Normal, class Shear>
   void forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate, double onsetWindow,
@@ -187,7 +191,7 @@ class Evaluation {
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
   std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
-  std::vector<std::int32_t> contactsInPiece_;
+  std::vector<std::int32_t> contactsInPiece_, pushingInPiece_;
   std::vector<PatchWrench> patchWrenches_;
 
   std::vector<MemoryEntry> memory_;              // by rank1, then rank2; entry m is at stateSize() + 3 m of y

@@ -191,7 +191,9 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double*
       entry = memoryOfCandidate_[contact.candidate];
       if (entry >= 0) {
         D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
-      } else if (g.isNew = true; xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
+        g.slides = memory_[entry].slides;
+      } else if (g.isNew = true;
+                 xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
         D = std::min(g.xi / xiDot, onsetWindow) / (1.0 + stiffnessPower<Normal>(law.shear)) *
             (g.V - xiDot * g.N);
       }
@@ -201,6 +203,7 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double*
       if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
     }
     forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+    extremes.pushing += result.force.dot(g.N) != 0.0;
     extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
     extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
   }
@@ -212,6 +215,7 @@ void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
   pieceMaximum_.assign(pieces, 0.0);
   pieceMaximum2_.assign(pieces, 0.0);
+  pushingInPiece_.assign(pieces, 0);
   if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
     std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
@@ -228,6 +232,7 @@ void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<
       });
       begin = stop;
     }
+    pushingInPiece_[piece] = extremes.pushing;
     pieceMaximum_[piece] = extremes.urgency;
     pieceMaximum2_[piece] = extremes.overlap;
   });
@@ -235,6 +240,8 @@ void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<
   summary_.largestOverlap = maximum(pieceMaximum2_, pieces);
   summary_.contacts = 0;
   for (const std::int32_t count : contactsInPiece_) summary_.contacts += count;
+  summary_.pushing = 0;
+  for (const std::int32_t count : pushingInPiece_) summary_.pushing += count;
 }
 
 double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {

@@ -98,6 +98,7 @@ class GranularSystem::Impl {
   StepReport step(double dt);
   double integrate(double dt, StepReport& report);
   double trialBound(const detail::EvaluationSummary& seen) const;
+  double eventBound(const detail::EvaluationSummary& seen, bool hasEvent) const;
   double scaledError() const;
   void acceptTrial();
   void storeState(double dt);

@@ -26,6 +26,13 @@ constexpr double kLargestMove = 0.25;
 // again.
 constexpr double kStageSlack = 1.5;
 
+// How a trial that holds an event is cut down to IntegratorDef::eventFraction: in steps, since a shorter one
+// may not reach the event any more.
+constexpr double kEventApproach = 0.2;
+
+// Beyond IntegratorDef::trialLimit errors may be this much larger.
+constexpr double kLooseTolerance = 1000.0;
+
 double shorterSubStep(const StepReport& report, double h) {
   return report.shortestSubStep > 0.0 ? std::min(report.shortestSubStep, h) : h;
 }
@@ -45,6 +52,14 @@ double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) c
     bound = std::min(bound, kLargestMove * evaluation.layout().smallestRadius / seen.largestSpeed);
   }
   return std::max(bound, integrator.smallestSubStep);
+}
+
+/// Longest trial in which a contact may begin, let go or end, s; infinite where it does not matter.
+double GranularSystem::Impl::eventBound(const detail::EvaluationSummary& seen, bool hasEvent) const {
+  if (!hasEvent || seen.contacts > integrator.eventContacts || !(seen.urgency > 0.0)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
 }
 
 /// Largest error of the trial over what is allowed: way of the fastest-moving surface point, in tolerance
@@ -105,23 +120,32 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     evaluateNow(t);
     report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
 
-    const bool forced = report.subSteps + report.rejectedTrials >= integrator.trialLimit;
+    const std::int64_t trials = report.subSteps + report.rejectedTrials;
+    const bool loose = trials >= integrator.trialLimit,
+               forced = trials >= 2 * std::int64_t{integrator.trialLimit};
     const double bound =
         forced ? std::max(trialBound(startSummary), dt / integrator.trialLimit) : trialBound(startSummary);
     const double h = forced ? std::min(dt - t, bound) : control.propose(dt - t, bound);
     detail::EvaluationSummary seen = startSummary;
+    bool hasEvent = false;
     stepper.trial(y, t, h, evaluation.executor(),
                   [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
                     evaluation.evaluate(at, s, rate, at - t);
                     seen.urgency = std::max(seen.urgency, evaluation.summary().urgency);
+                    seen.contacts = std::max(seen.contacts, evaluation.summary().contacts);
+                    hasEvent |= evaluation.summary().pushing != startSummary.pushing;
                   });
 
     const auto stepStart = Clock::now();
     const bool smallest = h <= integrator.smallestSubStep;
-    const double error = scaledError();
+    const double error = loose ? scaledError() / kLooseTolerance : scaledError();
     bool accept = forced || smallest;
-    if (h > kStageSlack * trialBound(seen) && !accept) {
+    const double longest = kStageSlack * trialBound(seen);
+    const double longestAtEvent = loose ? longest : eventBound(seen, hasEvent);
+    if (h > longest && !accept) {
       control.shorten(trialBound(seen));  // RKF45's blind second stage may be the only one that saw it
+    } else if (h > longestAtEvent && !accept) {
+      control.shorten(std::max(kEventApproach * h, longestAtEvent));
     } else {
       accept |= control.judge(h, error);
     }
@@ -133,7 +157,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
       ++report.subSteps;
       report.longestSubStep = std::max(report.longestSubStep, h);
       if (t < dt || report.subSteps == 1) report.shortestSubStep = shorterSubStep(report, h);
-      if (forced) report.flags = report.flags | StepFlag::TrialLimitReached;
+      if (loose) report.flags = report.flags | StepFlag::TrialLimitReached;
       if (smallest && t < dt) report.flags = report.flags | StepFlag::SmallestSubStepReached;
     } else {
       ++report.rejectedTrials;
