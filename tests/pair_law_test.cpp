@@ -175,7 +175,7 @@ TEST(StaticFriction, SettlingChangesNoForce) {
 }
 
 TEST(Coulomb, PushesWithFullFrictionAsSoonAsItSlides) {
-  const ShearConstants c{.mu = 0.5};
+  const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 Vt(0.0, 0.0, 0.2);
   EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, -5.0)));
   EXPECT_TRUE(Coulomb::settled(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, 5e-6)));
@@ -190,8 +190,8 @@ TEST(Coulomb, HoldsWhenTheVelocityTurnsBack) {
 }
 
 TEST(Coulomb, SlidesAgainWhenTheSpringIsLoadedToTheLimit) {
-  const ShearConstants c{.mu = 0.5};
-  const Vector3 D(6e-6, 0, 0), Vt(1e-3, 0, 1e-3);
+  const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
+  const Vector3 D(6e-6, 0, 0), Vt(0.1, 0, 0.1);
   EXPECT_TRUE(Coulomb::slides(c, 10.0, 1e6, Vt, D, false));
   EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, D, false).isApprox(-5.0 * Vt.normalized()));
 }

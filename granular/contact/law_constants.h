@@ -26,9 +26,9 @@ struct ShearConstants {
   double viscosity = 0.0;       ///< kt of eqs. 16 and 18, N s/m
   double stiffness = 0.0;       ///< kt of eqs. 17 and 19 as given, N/m; 0: by the ratio
   double stiffnessRatio = 0.0;  ///< tangential over normal tangent stiffness
-  double dashpot = 0.0;         ///< beside the spring of eqs. 17 and 19, N s/m
-  double slipCompliance =
-      0.0;  ///< 1 / sqrt(kt m_t), m/(N s): speed at which a loaded spring lets go, over its force
+  /// 1 / sqrt(kt m_t), m/(N s): the speed at which a loaded spring lets go, over its force
+  double slipCompliance = 0.0;
+  double dashpot = 0.0;  ///< beside the spring of eqs. 17 and 19, N s/m
 };
 
 /// What a normal law works its constants out from.

@@ -82,6 +82,7 @@ ShearConstants shearConstants(const MaterialPair& pair, const PairLaw& law, doub
           .viscosity = def.viscosity.value_or(tangentialMass * std::numbers::pi / time) / area,
           .stiffness = def.stiffness.value_or(0.0) / area,
           .stiffnessRatio = pair.shearModulusRatio,
+          .slipCompliance = area / std::sqrt(kt * tangentialMass),
           .dashpot = 2.0 * ratio * std::sqrt(kt * tangentialMass) / area};
 }
 
