@@ -4,13 +4,15 @@
 // m_eff; 1 kg puts the linear panel at 0.45 to 1. Points: impacts of two grains simulated by GranularSystem;
 // thin lines: the equation of one impact integrated on its own.
 //
-// The force is clamped at no attraction, as dry grains are simulated; --attraction draws eqs. 6-7 as they are
-// written.
+// The force is clamped at no attraction, as dry grains are simulated. Eqs. 6-7 as they are written let the
+// damper pull; with alpha = 0, beta = 3/2 the two would then never part (near xi = 0 the damper is stronger
+// than the spring).
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -52,27 +54,25 @@ double contactTime(const PanelLaw& law, double speed) {
   return 3.218065 * std::pow(kStiffness, -0.4) * std::pow(speed, -0.2);
 }
 
-double simulated(const PanelLaw& law, double damping, double speed, bool attraction) {
+double simulated(const PanelLaw& law, double damping, double speed) {
   // Two equal grains of 2 kg, large enough for the deepest overlap.
   const double radius = 1.0, density = 2.0 / (4.0 / 3.0 * std::numbers::pi);
   const verification::Ball ball{.radius = radius, .density = density};
-  const verification::ImpactDef def{.ball = ball,
-                                    .partner = verification::Partner::Ball,
-                                    .other = ball,
-                                    .pair = {.normal = {.law = law.law,
-                                                        .stiffness = kStiffness,
-                                                        .damping = damping,
-                                                        .attraction = attraction}},
-                                    .velocity = {0.0, -speed, 0.0},
-                                    .gap = 1e-3,
-                                    .integrator = {.tolerance = 1e-8, .contactTimeFraction = 0.02},
-                                    .step = contactTime(law, speed)};
+  const verification::ImpactDef def{
+      .ball = ball,
+      .partner = verification::Partner::Ball,
+      .other = ball,
+      .pair = {.normal = {.law = law.law, .stiffness = kStiffness, .damping = damping}},
+      .velocity = {0.0, -speed, 0.0},
+      .gap = 1e-3,
+      .integrator = {.tolerance = 1e-8, .contactTimeFraction = 0.02},
+      .step = contactTime(law, speed)};
   return verification::simulateImpact(def).restitution;
 }
 
-double integrated(const PanelLaw& law, double damping, double speed, bool attraction) {
+double integrated(const PanelLaw& law, double damping, double speed) {
   return verification::referenceImpact(verification::powerLaw(law.alpha, law.beta, kStiffness, damping), 1.0,
-                                       speed, contactTime(law, speed), attraction)
+                                       speed, contactTime(law, speed))
       .restitution;
 }
 
@@ -80,7 +80,7 @@ std::string dampingName(double damping) {
   return "k_{d} = " + std::to_string(static_cast<int>(damping));
 }
 
-granular_demo::Panel drawPanel(const PanelLaw& law, bool attraction, granular_demo::CsvFile& csv) {
+granular_demo::Panel drawPanel(const PanelLaw& law, granular_demo::CsvFile& csv) {
   using granular_demo::Color;
   static const std::array<Color, 5> colors{{{0.10f, 0.10f, 0.10f},
                                             {0.00f, 0.45f, 0.70f},
@@ -92,20 +92,19 @@ granular_demo::Panel drawPanel(const PanelLaw& law, bool attraction, granular_de
                              .y = {.label = "restitution e_{n}", .low = 0.0, .high = 1.05}};
   for (std::size_t k = 0; k < kDampings.size(); ++k) {
     granular_demo::Series line{.line = granular_demo::Line::solid, .color = colors[k], .width = 1.0};
-    granular_demo::Series points{.name = dampingName(kDampings[k]),
+    granular_demo::Series points{.name = law.beta == 1.0 ? dampingName(kDampings[k]) : "",
                                  .line = granular_demo::Line::none,
                                  .marker = granular_demo::Marker::circle,
                                  .color = colors[k]};
     for (int i = 0; i < kLinePoints; ++i) {
       line.x.push_back(speedAt(i, kLinePoints));
-      line.y.push_back(integrated(law, kDampings[k], line.x.back(), attraction));
+      line.y.push_back(integrated(law, kDampings[k], line.x.back()));
     }
     for (int i = 0; i < kPoints; ++i) {
-      const double v = speedAt(i, kPoints), e = simulated(law, kDampings[k], v, attraction);
+      const double v = speedAt(i, kPoints), e = simulated(law, kDampings[k], v);
       points.x.push_back(v);
       points.y.push_back(e);
-      csv.row({law.alpha, law.beta, kStiffness, kDampings[k], v, e,
-               integrated(law, kDampings[k], v, attraction)});
+      csv.row({law.alpha, law.beta, kStiffness, kDampings[k], v, e, integrated(law, kDampings[k], v)});
     }
     panel.series.push_back(line);
     panel.series.push_back(points);
@@ -113,17 +112,16 @@ granular_demo::Panel drawPanel(const PanelLaw& law, bool attraction, granular_de
   return panel;
 }
 
-void drawFigure(const std::filesystem::path& folder, bool attraction) {
+void drawFigure(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const std::string name = attraction ? "restitution_with_attraction" : "restitution";
-  granular_demo::CsvFile csv(folder / (name + ".csv"), {"alpha", "beta", "kr", "kd", "impact_speed_m_s",
-                                                        "restitution_simulated", "restitution_integrated"});
-  granular_demo::Figure figure{.title = attraction ? "Restitution against impact speed, the damper may pull"
-                                                   : "Restitution against impact speed, no attraction",
-                               .columns = 2};
-  for (const PanelLaw& law : kPanels) figure.panels.push_back(drawPanel(law, attraction, csv));
-  granular_demo::writeFigure(figure, folder / (name + ".png"));
-  std::cout << "wrote " << (folder / (name + ".png")).string() << " and .csv\n";
+  granular_demo::CsvFile csv(folder / "restitution.csv", {"alpha", "beta", "kr", "kd", "impact_speed_m_s",
+                                                          "restitution_simulated", "restitution_integrated"});
+  granular_demo::Figure figure{
+      .title = "Restitution against impact speed, k_{r} = 10^{6}: points simulated, lines integrated apart",
+      .columns = 2};
+  for (const PanelLaw& law : kPanels) figure.panels.push_back(drawPanel(law, csv));
+  granular_demo::writeFigure(figure, folder / "restitution.png");
+  std::cout << "wrote " << (folder / "restitution.png").string() << " and .csv\n";
 }
 
 }  // namespace
@@ -131,16 +129,11 @@ void drawFigure(const std::filesystem::path& folder, bool attraction) {
 void addRestitutionCommand(CLI::App& app, int& status) {
   CLI::App* command =
       app.add_subcommand("restitution", "Figure 3 of the paper: restitution against impact speed");
-  struct Options {
-    std::string folder = ".";
-    bool attraction = false;
-  };
-  const auto options = std::make_shared<Options>();
-  command->add_option("--out", options->folder, "Folder for the PNG and CSV files")->capture_default_str();
-  command->add_flag("--attraction", options->attraction,
-                    "Let the damper pull at the end of the contact, as eqs. 6-7 are written");
-  command->callback([options, &status] {
-    drawFigure(options->folder, options->attraction);
+  const auto folder = std::make_shared<std::string>(".");
+  command->add_option("--out", *folder, "Folder for restitution.png and restitution.csv")
+      ->capture_default_str();
+  command->callback([folder, &status] {
+    drawFigure(*folder);
     status = 0;
   });
 }

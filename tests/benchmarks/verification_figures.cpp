@@ -24,6 +24,8 @@ const Color kPublishedColor{0.05f, 0.05f, 0.05f};
 granular_demo::Panel panelOf(const verification::CurveFigure& figure) {
   granular_demo::Panel panel{
       .title = figure.title, .x = {.label = figure.xLabel}, .y = {.label = figure.yLabel}};
+  panel.y.low = figure.yLow;
+  panel.y.high = figure.yHigh;
   std::size_t measured = 0, expected = 0;
   for (const verification::Curve& curve : figure.curves) {
     granular_demo::Series series{.name = curve.name, .x = curve.x, .y = curve.y};
@@ -88,8 +90,10 @@ void writeCoverings(const std::filesystem::path& folder) {
       .title = "Deepest overlap without loss", .x = particles, .y = {.label = "over that of the true cube"}};
   for (const verification::CoveringSeries& s : all) {
     const auto add = [&](granular_demo::Panel& panel, const std::vector<double>& values) {
-      panel.series.push_back(
-          {.name = nameOf(s.pose), .x = s.particles, .y = values, .marker = Marker::circle});
+      panel.series.push_back({.name = panel.y.label == "e" ? nameOf(s.pose) : "",
+                              .x = s.particles,
+                              .y = values,
+                              .marker = Marker::circle});
     };
     add(restitution, s.restitution);
     add(stiffness, s.stiffness);

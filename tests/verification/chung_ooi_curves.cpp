@@ -35,17 +35,34 @@ double surfaceSpeed(double tangentialSpeed, double spin, double radius) {
   return tangentialSpeed + spin * radius;
 }
 
-/// The three curves of a figure whose abscissa and ordinate follow from set-up and rebound.
+/// A few set-ups from `first` on towards `next`, for smooth curves.
+std::vector<ObliqueSetUp> between(const ObliqueSetUp& first, const ObliqueSetUp& next) {
+  std::vector<ObliqueSetUp> setUps;
+  for (const double part : {0.0, 0.25, 0.5, 0.75}) {
+    ObliqueSetUp s = first;
+    s.normalSpeed += part * (next.normalSpeed - first.normalSpeed);
+    s.tangentialSpeed += part * (next.tangentialSpeed - first.tangentialSpeed);
+    s.spin += part * (next.spin - first.spin);
+    setUps.push_back(s);
+  }
+  return setUps;
+}
+
+/// The curves of a figure whose abscissa and ordinate follow from set-up and rebound.
 template <class Abscissa, class Ordinate>
 void addCurves(CurveFigure& figure, int test, Abscissa&& abscissa, Ordinate&& ordinate) {
   for (const ChungOoiMaterial& material : chungOoiMaterials(test)) {
     Curve measured{std::string(material.name) + ", law 19", CurveKind::Measured, {}, {}};
     Curve expected{std::string(material.name) + ", own integration", CurveKind::Expected, {}, {}};
-    for (const ObliqueSetUp& setUp : obliqueSetUps(test, material)) {
-      measured.x.push_back(abscissa(setUp));
-      measured.y.push_back(ordinate(setUp, measureOblique(impactOf(setUp, ShearLaw::StaticFriction))));
-      expected.x.push_back(abscissa(setUp));
-      expected.y.push_back(ordinate(setUp, referenceOblique(setUp)));
+    const std::vector<ObliqueSetUp> setUps = obliqueSetUps(test, material);
+    for (std::size_t i = 0; i < setUps.size(); ++i) {
+      measured.x.push_back(abscissa(setUps[i]));
+      measured.y.push_back(
+          ordinate(setUps[i], measureOblique(impactOf(setUps[i], ShearLaw::StaticFriction))));
+      for (const ObliqueSetUp& setUp : between(setUps[i], setUps[std::min(i + 1, setUps.size() - 1)])) {
+        expected.x.push_back(abscissa(setUp));
+        expected.y.push_back(ordinate(setUp, referenceOblique(setUp)));
+      }
     }
     figure.curves.push_back(expected);
     figure.curves.push_back(measured);
@@ -55,9 +72,8 @@ void addCurves(CurveFigure& figure, int test, Abscissa&& abscissa, Ordinate&& or
 CurveFigure forceFigure(int test) {
   const bool againstTime = test == 2;
   CurveFigure figure{againstTime ? "Test 2: ball on a rigid plane" : "Test 1: two balls",
-                     againstTime ? "time, \u00b5s" : "overlap, \u00b5m",
-                     "normal force, kN",
-                     {}};
+                     againstTime ? "time, \u00b5s" : "overlap, \u00b5m", "normal force, kN"};
+  if (againstTime) figure.yHigh = 20.0;
   for (const ChungOoiMaterial& material : chungOoiMaterials(test)) {
     const ImpactDef def = elasticImpact(test, material);
     const ImpactResult result = simulateImpact(def);
@@ -85,7 +101,7 @@ CurveFigure forceFigure(int test) {
 }
 
 CurveFigure restitutionFigure() {
-  CurveFigure figure{"Test 3: restitution in and out", "restitution asked", "restitution measured", {}};
+  CurveFigure figure{"Test 3: restitution in and out", "restitution asked", "restitution measured"};
   for (const ChungOoiMaterial& material : chungOoiMaterials(3)) {
     Curve measured{material.name, CurveKind::Measured, {}, {}};
     for (const double e : {0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0}) {
@@ -104,7 +120,7 @@ CurveFigure restitutionFigure() {
 }
 
 void addTest4(std::vector<CurveFigure>& figures) {
-  CurveFigure restitution{"Test 4: tangential restitution", "angle from the normal, degrees", "e_{t}", {}};
+  CurveFigure restitution{"Test 4: tangential restitution", "angle from the normal, degrees", "e_{t}"};
   addCurves(restitution, 4, angleOf, [](const ObliqueSetUp& s, const ObliqueRebound& r) {
     return r.tangentialSpeed / s.tangentialSpeed;
   });
@@ -114,13 +130,15 @@ void addTest4(std::vector<CurveFigure>& figures) {
     published.y.push_back(0.5 * (range.low + range.high));
   }
   restitution.curves.push_back(published);
-  CurveFigure spin{"Test 4: spin after the impact", "angle from the normal, degrees", "spin, rad/s", {}};
+  CurveFigure spin{"Test 4: spin after the impact", "angle from the normal, degrees", "spin, rad/s"};
   addCurves(spin, 4, angleOf, [](const ObliqueSetUp&, const ObliqueRebound& r) { return -r.spin; });
-  CurveFigure angle{
-      "Test 4: rebound angle of the contact point", "angle from the normal, degrees", "degrees", {}};
+  CurveFigure angle{"Test 4: rebound angle of the contact point", "angle from the normal, degrees",
+                    "degrees"};
   addCurves(angle, 4, angleOf, [](const ObliqueSetUp& s, const ObliqueRebound& r) {
     return degrees(std::atan2(surfaceSpeed(r.tangentialSpeed, r.spin, s.radius), r.normalSpeed));
   });
+  restitution.yLow = 0.4;
+  spin.yHigh = 1000.0;
   figures.insert(figures.end(), {restitution, spin, angle});
 }
 
@@ -133,12 +151,12 @@ void addTests5And6(std::vector<CurveFigure>& figures) {
       return surfaceSpeed(r.tangentialSpeed, r.spin, s.radius) / (s.friction * r.normalSpeed);
     };
     const std::string what = test == 5 ? "Test 5: at constant normal speed" : "Test 6: from spin";
-    CurveFigure figure{
-        what, "incidence: surface speed / (\u00b5 v_{n})", "rebound: surface speed / (\u00b5 v_{n}')", {}};
+    CurveFigure figure{what, "incidence: surface speed / (\u00b5 v_{n})",
+                       "rebound: surface speed / (\u00b5 v_{n}')"};
     addCurves(figure, test, incidence, rebound);
     figures.push_back(figure);
-    CurveFigure spin{
-        what, "incidence: surface speed / (\u00b5 v_{n})", "change of spin times R / (\u00b5 v_{n})", {}};
+    CurveFigure spin{what, "incidence: surface speed / (\u00b5 v_{n})",
+                     "change of spin times R / (\u00b5 v_{n})"};
     addCurves(spin, test, incidence, [](const ObliqueSetUp& s, const ObliqueRebound& r) {
       return (s.spin - r.spin) * s.radius / (s.friction * s.normalSpeed);
     });

@@ -3,6 +3,7 @@
 // set-ups, materials, and the curves of tests 1 to 6 for the figures.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,7 +60,8 @@ struct Curve {
 };
 struct CurveFigure {
   std::string title, xLabel, yLabel;
-  std::vector<Curve> curves;
+  std::vector<Curve> curves = {};
+  std::optional<double> yLow = {}, yHigh = {};  ///< ends of the axes, to leave room for the legend
 };
 /// Tests 1 to 6, two or three a test.
 std::vector<CurveFigure> chungOoiFigures();

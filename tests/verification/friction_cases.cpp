@@ -150,8 +150,8 @@ std::vector<Check> inclineThreshold(Rider rider, ShearLaw law, double mu) {
   return checks;
 }
 
-/// Law 18 holds nothing at rest: m g sin / (sum of kt over the contacts), as long as none of them slides: uphill ones
-/// carry less, here 0.85 of the mean at most.
+/// Law 18 holds nothing at rest: m g sin / (sum of kt over the contacts), as long as none of them slides:
+/// uphill ones carry less, here 0.85 of the mean at most.
 std::vector<Check> creepOfLaw18(double viscosity) {
   std::vector<Check> checks;
   for (const double part : {0.3, 0.6}) {
