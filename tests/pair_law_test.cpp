@@ -86,10 +86,11 @@ TEST(LinearSpring, ConstantsGiveTheAskedContactTime) {
   EXPECT_NEAR(-v, 0.4, 1e-4);
 }
 
-TEST(ElasticFoundation, RebounceDependsOnSpeedAndDampingAlone) {
+TEST(ElasticFoundation, ReboundDependsOnSpeedAndDampingAlone) {
   // m v dv = -k x (1 + a v) dx integrated for two masses and stiffnesses.
   const double e = 0.6, speed = 2.0, a = ElasticFoundation::dampingForRestitution(e, false) / speed;
-  for (const auto& [m, k] : {std::pair(1.0, 1e4), std::pair(50.0, 3e7)}) {
+  for (const auto& pair : {std::pair(1.0, 1e4), std::pair(50.0, 3e7)}) {
+    const double m = pair.first, k = pair.second;
     double x = 0.0, v = speed;
     const double h = 1e-5 * std::sqrt(m / k);
     do {
