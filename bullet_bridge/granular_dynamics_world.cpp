@@ -3,6 +3,7 @@
 // internalSingleStepSimulation, 3.24) with the layer's stages set between them.
 #include "bullet_bridge/granular_dynamics_world.h"
 
+#include "bullet_bridge/convert.h"
 #include "bullet_bridge/debug_draw.h"
 #include "bullet_bridge/layer.h"
 
@@ -57,6 +58,11 @@ const granular::StepReport& GranularDynamicsWorld::lastStep() const {
 int GranularDynamicsWorld::stepSimulation(btScalar timeStep, int maxSubSteps, btScalar fixedTimeStep) {
   layer_->beginFrame();
   return btDiscreteDynamicsWorld::stepSimulation(timeStep, maxSubSteps, fixedTimeStep);
+}
+
+void GranularDynamicsWorld::setGravity(const btVector3& gravity) {
+  layer_->system().setGravity(fromBullet(gravity));  // first: it refuses what is not finite
+  btDiscreteDynamicsWorld::setGravity(gravity);
 }
 
 void GranularDynamicsWorld::applyGravity() {

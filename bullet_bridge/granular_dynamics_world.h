@@ -37,8 +37,20 @@ struct LayerDef {
   int drawnParticleLimit = 20000;  ///< debug drawing shows evenly chosen particles up to this number, >= 0
 };
 
+/// What of a covered body meets grains and the particles of other bodies.
+enum class SurfaceContact : std::uint8_t {
+  Particles,  ///< particles on its surface, as in the paper
+  /// The shape itself, smooth and without particles. For btSphereShape, and for btStaticPlaneShape (solid on
+  /// the far side of its normal, endless) of a static or kinematic body. Meets particles only: who handles
+  /// which pair is listed in bullet_bridge/README.md.
+  Exact,
+};
+
 /// How a body gets its particles. Whatever is left out follows from the btRigidBody.
 struct CoverBodyDef {
+  /// Exact: nothing below but `material` may be set.
+  SurfaceContact contact = SurfaceContact::Particles;
+
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
   /// of which 500 discs have the body's surface, but at most a quarter of its least extent.
   double particleRadius = 0.0;
@@ -93,7 +105,7 @@ class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
   /// From the next tick on the body meets grains and other covered bodies through particles on its surface.
   /// Mass and inertia stay the body's own. Throws std::invalid_argument: covered already, not in this world,
   /// a dynamic body without mass, a transform or velocity that is not finite, a shape without a known
-  /// surface, a bad def.
+  /// surface, a shape that cannot be met exactly where that is asked for, a bad def.
   granular::BodyId coverBody(btRigidBody& body, const CoverBodyDef& def = {});
   /// Gives the body back to Bullet as it moves now. Taking a body out of the world does the same.
   void uncoverBody(btRigidBody& body);
@@ -114,6 +126,8 @@ class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
   const granular::StepReport& lastStep() const;
 
   // ---- what is overridden of Bullet
+  /// Grains feel it at once. Throws std::invalid_argument if it is not finite.
+  void setGravity(const btVector3& gravity) override;
   int stepSimulation(btScalar timeStep, int maxSubSteps = 1,
                      btScalar fixedTimeStep = btScalar(1.) / btScalar(60.)) override;
   void applyGravity() override;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "bullet_bridge/convert.h"
+#include "bullet_bridge/pose_algebra.h"
 #include "granular/base/require.h"
 #include "granular/geometry/cover.h"
 #include "granular/system/fill.h"
@@ -33,10 +34,12 @@ granular::SystemDef systemDef(const btDiscreteDynamicsWorld& world, const LayerD
   return {.gravity = fromBullet(world.getGravity()), .integrator = def.integrator, .threads = def.threads};
 }
 
-granular::BodyMotion motionOf(const btRigidBody& body) {
+/// A plane that the program makes dynamic has no place in the core's integration: there it stands still
+/// wherever Bullet puts it.
+granular::BodyMotion motionOf(const btRigidBody& body, bool isPlane) {
   if (body.isKinematicObject()) return granular::BodyMotion::Kinematic;
   if (body.isStaticObject() || body.getInvMass() == btScalar(0)) return granular::BodyMotion::Static;
-  return granular::BodyMotion::Dynamic;
+  return isPlane ? granular::BodyMotion::Static : granular::BodyMotion::Dynamic;
 }
 
 double leastExtent(const std::vector<granular::TriangleMesh>& parts) {
@@ -197,8 +200,17 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   covered.body = &body;
   covered.followsBodyMaterial = !def.material;
   if (def.material) covered.make.material = *def.material;
-  granular::Covering covering = makeCovering(body, def);
-  covered.boundingRadius = boundingRadiusOf(covering);
+  granular::Covering covering;
+  if (def.contact == SurfaceContact::Exact) {
+    checkExactDef(def);
+    const ExactShape shape = exactShape(body);
+    covered.exact = shape.surface;
+    covered.surfaceFrame = shape.frame;
+    covered.boundingRadius = shape.boundingRadius;
+  } else {
+    covering = makeCovering(body, def);
+    covered.boundingRadius = boundingRadiusOf(covering);
+  }
   covered.make = makeOf(covered);
   covered.written = stateOf(body);
   covered.frameEnd = fromBullet(body.getWorldTransform());
@@ -265,7 +277,7 @@ granular::MaterialId Layer::bodyMaterial(const btRigidBody& body) {
 BodyMake Layer::makeOf(const CoveredBody& covered) {
   const btRigidBody& body = *covered.body;
   const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
-  BodyMake make{.motion = motionOf(body), .material = covered.make.material};
+  BodyMake make{.motion = motionOf(body, covered.isPlane()), .material = covered.make.material};
   if (body.hasContactResponse()) {
     make.group = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     make.mask = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
@@ -279,8 +291,9 @@ void Layer::addToSystem(CoveredBody& covered, granular::Covering covering,
   granular::BodyDef def;
   def.motion = covered.make.motion;
   def.covering = std::move(covering);
+  def.exact = covered.exact;
   def.material = covered.make.material;
-  def.pose = motion.pose;
+  def.pose = composed(motion.pose, covered.surfaceFrame);
   def.filter = {.group = covered.make.group, .mask = covered.make.mask};
   if (def.motion == granular::BodyMotion::Dynamic) {
     def.velocity = motion.velocity;
@@ -298,7 +311,8 @@ void Layer::remakeIfChanged(CoveredBody& covered) {
   const BodyMake make = makeOf(covered);
   if (make == covered.make) return;
   granular::Covering covering = system_.covering(covered.id);
-  const granular::RigidMotion motion = system_.bodyMotion(covered.id);
+  granular::RigidMotion motion = system_.bodyMotion(covered.id);
+  motion.pose = bulletPose(covered);
   system_.removeBody(covered.id);
   forgetPairsOf(*covered.body, excluded_);
   covered.make = make;
@@ -390,7 +404,7 @@ void Layer::silenceOwnPairs() {
     if (manifold->getNumContacts() == 0) continue;
     const CoveredBody* a = find(manifold->getBody0());
     const CoveredBody* b = a ? find(manifold->getBody1()) : nullptr;
-    if (!b || bulletOwned_.contains(makePair(*a->body, *b->body))) continue;
+    if (!b || !meetInCore(*a, *b) || bulletOwned_.contains(makePair(*a->body, *b->body))) continue;
     silenced_.emplace_back(manifold, manifold->getNumContacts());
     manifold->setNumContacts(0);
   }

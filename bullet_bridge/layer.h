@@ -14,8 +14,10 @@
 #include <set>
 #include <unordered_map>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "bullet_bridge/exact_shape.h"
 #include "bullet_bridge/granular_dynamics_world.h"
 
 namespace bullet_bridge {
@@ -53,7 +55,11 @@ struct CoveredBody {
   BodyMake make;
   BodySettings settings;
   bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
-  double boundingRadius = 0.0;       ///< of the covering about the body's origin, m
+  double boundingRadius = 0.0;       ///< of the covering about the body's origin, m; 0 for a plane
+  std::optional<granular::ExactSurface> exact;  ///< met instead of particles
+  /// Of the core's body in Bullet's body frame: the core's half-space ends at y = 0 of its own frame. Else
+  /// the identity.
+  granular::Pose surfaceFrame;
 
   BulletState written;           ///< as last agreed with Bullet: a difference is the program's doing
   bool hasGravityForce = false;  ///< Bullet's total force holds gravity in this stepSimulation
@@ -63,6 +69,8 @@ struct CoveredBody {
   granular::Vector3 frameVelocity = granular::Vector3::Zero();
   granular::Vector3 frameAngularVelocity = granular::Vector3::Zero();
   double frameTimeLeft = 0.0;
+
+  bool isPlane() const { return exact && std::holds_alternative<granular::HalfSpace>(*exact); }
 
   // Dynamic, within one tick.
   bool held = false;  ///< asleep: stands still in the core
@@ -84,6 +92,8 @@ bool isFinite(const BulletState& state);
 /// Bullet's solver changed what was offered to it: joints or foreign contacts touched the body in this tick.
 bool isCorrected(const CoveredBody& covered);
 BulletState stateOf(const btRigidBody& body);
+/// Whether the core lets the two meet: it finds contacts of moving particles, never of two exact surfaces.
+bool meetInCore(const CoveredBody& a, const CoveredBody& b);
 /// Mass, inertia and factors as they stand; a held body has no freedom at all, a body without inertia does
 /// not turn.
 BodySettings settingsOf(const btRigidBody& body, bool held);
@@ -151,6 +161,7 @@ class Layer {
 
   void takeStaticPose(CoveredBody& covered);
   void takeKinematicPose(CoveredBody& covered, double dt);
+  granular::Pose bulletPose(const CoveredBody& covered) const;
   void runKinematicTo(CoveredBody& covered, const granular::Pose& end, double duration);
   void takeDynamicState(CoveredBody& covered);
   void prepareDynamic(CoveredBody& covered);

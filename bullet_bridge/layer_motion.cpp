@@ -8,6 +8,7 @@
 
 #include "bullet_bridge/convert.h"
 #include "bullet_bridge/layer.h"
+#include "bullet_bridge/pose_algebra.h"
 
 namespace bullet_bridge {
 inline namespace BULLET_BRIDGE_PRECISION {
@@ -114,6 +115,13 @@ BodySettings settingsOf(const btRigidBody& body, bool held) {
   return settings;
 }
 
+bool meetInCore(const CoveredBody& a, const CoveredBody& b) {
+  const auto movesParticles = [](const CoveredBody& covered) {
+    return covered.make.motion == BodyMotion::Dynamic && !covered.exact;
+  };
+  return movesParticles(a) || movesParticles(b);
+}
+
 // ---- a stepSimulation begins
 
 void Layer::beginFrame() {
@@ -167,13 +175,18 @@ void Layer::takeStaticPose(CoveredBody& covered) {
   if (isSame(now.transform, covered.written.transform) || !isFinite(now)) return;
   covered.written = now;
   covered.frameEnd = fromBullet(now.transform);
-  system_.setBodyMotion(covered.id, {.pose = covered.frameEnd});
+  system_.setBodyMotion(covered.id, {.pose = composed(covered.frameEnd, covered.surfaceFrame)});
   wakeAll_ = true;
+}
+
+/// Where the core has the body, as Bullet's frame of it stands.
+Pose Layer::bulletPose(const CoveredBody& covered) const {
+  return composed(system_.bodyMotion(covered.id).pose, inverse(covered.surfaceFrame));
 }
 
 /// From where the core has the body now to `end` within `duration` seconds.
 void Layer::runKinematicTo(CoveredBody& covered, const Pose& end, double duration) {
-  const Pose start = system_.bodyMotion(covered.id).pose;
+  const Pose start = bulletPose(covered);
   covered.written = stateOf(*covered.body);
   covered.frameEnd = end;
   covered.frameTimeLeft = duration;
@@ -196,12 +209,15 @@ void Layer::takeKinematicPose(CoveredBody& covered, double dt) {
   }
   RigidMotion motion{.pose = covered.frameEnd};
   if (covered.frameTimeLeft > 0.5 * dt) {  // half a tick: the countdown rounds
-    motion.velocity = covered.frameVelocity;
     motion.angularVelocity = covered.frameAngularVelocity;
     motion.pose.position -= covered.frameVelocity * covered.frameTimeLeft;
     motion.pose.orientation =
         turnBy(-covered.frameAngularVelocity * covered.frameTimeLeft) * covered.frameEnd.orientation;
+    // The core moves its origin in a straight line: from where it is on Bullet's arc to where it then is.
+    const Vector3 arm = motion.pose.orientation * covered.surfaceFrame.position;
+    motion.velocity = covered.frameVelocity + (turnBy(covered.frameAngularVelocity * dt) * arm - arm) / dt;
   }
+  motion.pose = composed(motion.pose, covered.surfaceFrame);
   covered.frameTimeLeft -= dt;
   system_.setBodyMotion(covered.id, motion);
 }
@@ -285,10 +301,14 @@ bool Layer::isNearMovingBody(const CoveredBody& covered, double dt) const {
     if (&other == &covered || other.make.motion == BodyMotion::Static || !other.body->isActive())
       return false;
     const RigidMotion motion = system_.bodyMotion(other.id);
-    const double speed = motion.velocity.norm() + motion.angularVelocity.norm() * other.boundingRadius;
+    const Vector3 away = here - motion.pose.position;
+    const double lever = other.isPlane() ? away.norm() : other.boundingRadius;
+    const double speed = motion.velocity.norm() + motion.angularVelocity.norm() * lever;
     const bool kinematic = other.make.motion == BodyMotion::Kinematic;
     if (speed <= (kinematic ? 0.0 : double(other.body->getLinearSleepingThreshold()))) return false;
-    return (motion.pose.position - here).norm() < covered.boundingRadius + other.boundingRadius + speed * dt;
+    const double gap = other.isPlane() ? away.dot(motion.pose.orientation * Vector3::UnitY())
+                                       : away.norm() - other.boundingRadius;
+    return gap < covered.boundingRadius + speed * dt;
   });
 }
 

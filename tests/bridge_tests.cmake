@@ -1,6 +1,7 @@
 # Test sources of the bridge; tests/CMakeLists.txt links them with granular::bullet_bridge.
 list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/bridge_coupling_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_exact_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_joint_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_kinematic_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_motion_test.cpp

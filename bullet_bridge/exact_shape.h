@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Bullet shapes that the core meets as they are, without particles: spheres and planes.
+#pragma once
+
+#include "bullet_bridge/granular_dynamics_world.h"
+#include "granular/geometry/exact_surface.h"
+
+namespace bullet_bridge {
+inline namespace BULLET_BRIDGE_PRECISION {
+namespace detail {
+
+struct ExactShape {
+  granular::ExactSurface surface;
+  granular::Pose frame;         ///< of the surface as the core has it, in Bullet's body frame
+  double boundingRadius = 0.0;  ///< about the body's origin, m; 0 for a plane
+};
+
+/// Throws std::invalid_argument with the shape's name if the core has no such surface, and for a plane that
+/// is dynamic.
+ExactShape exactShape(const btRigidBody& body);
+
+/// Throws std::invalid_argument for a setting that speaks of particles where there are none.
+void checkExactDef(const CoverBodyDef& def);
+
+}  // namespace detail
+}  // namespace BULLET_BRIDGE_PRECISION
+}  // namespace bullet_bridge
