@@ -2,7 +2,7 @@
 // granular_demo: lists scenes and runs them.
 //   granular_demo list
 //   granular_demo run splash --scale small --out out/splash
-// Exit status: 0 completed, 1 something failed while running, 2 bad scene file or arguments, 130 interrupted.
+// Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <limits>
@@ -22,7 +22,13 @@ using namespace granular_demo;
 
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
+constexpr int kChecksFailed = 3;
 constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
+
+const char* const kExitStatus =
+    "Exit status: 0 completed and all checks passed; 1 something failed while running; 2 bad scene file or\n"
+    "arguments; 3 completed, but a check failed: grains passed through a surface, or energy came from\n"
+    "nowhere; 130 interrupted.";
 
 /// What the command line asks for beyond the scene file.
 struct Arguments {
@@ -96,7 +102,16 @@ int list() {
   return 0;
 }
 
-void printSummary(const FinishedRun& run, const std::filesystem::path& report) {
+void printAdvice(const BuiltScene& scene) {
+  if (scene.advice().empty()) return;
+  std::printf("advice: reckoned for impacts at %.3g m/s (%s)\n", scene.impactSpeed().speed,
+              scene.impactSpeed().reason.c_str());
+  for (const std::string& line : scene.advice()) std::printf("advice: %s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+/// Returns whether all checks passed; if not, their line goes to the error output.
+bool printSummary(const FinishedRun& run, const std::filesystem::path& report) {
   const RunResult& r = run.result;
   const auto& container = run.scene->def().container;
   std::printf("%s: %d of %d frames, %.3f s simulated in %s (steps %.1f s, pictures %.1f s)\n",
@@ -106,17 +121,19 @@ void printSummary(const FinishedRun& run, const std::filesystem::path& report) {
               static_cast<long long>(r.grains), static_cast<long long>(r.totals.subSteps),
               static_cast<long long>(r.totals.rejectedTrials), r.totals.largestOverlap,
               r.totals.largestOverlapTime);
-  std::printf(
+  const bool passed = r.passed(container && container->closed);
+  std::fprintf(
+      passed ? stdout : stderr,
       "checks %s: %lld particles through surfaces, %lld below ground, %lld grains escaped, %lld not finite, "
       "energy rise %.2g of the fall\n",
-      r.passed(container && container->closed) ? "passed" : "FAILED",
-      static_cast<long long>(r.worst.insideBodies), static_cast<long long>(r.worst.belowGround),
-      static_cast<long long>(r.worst.outside),
+      passed ? "passed" : "FAILED", static_cast<long long>(r.worst.insideBodies),
+      static_cast<long long>(r.worst.belowGround), static_cast<long long>(r.worst.outside),
       static_cast<long long>(r.worst.notFinite + r.totals.quarantined), r.energy.worstFraction());
   if (r.totals.flags != granular::StepFlag::None)
     std::printf("%s\n", granular::describe(r.totals.flags).c_str());
   if (!r.filmProblem.empty()) std::printf("no film: %s\n", r.filmProblem.c_str());
   std::printf("report: %s\n", report.string().c_str());
+  return passed;
 }
 
 int run(const Arguments& a, const std::vector<std::string>& commandLine) {
@@ -131,6 +148,7 @@ int run(const Arguments& a, const std::vector<std::string>& commandLine) {
   options.folder = a.out.empty() ? std::filesystem::path("out") / scene.name : a.out;
   options.frames = a.frames;
   options.threads = a.threads;
+  options.onBuilt = printAdvice;
   ProgressLine progress;
   options.onFrame = [&](const RunProgress& p) { progress.update(p); };
   options.shallStop = stopWasAsked;
@@ -139,8 +157,9 @@ int run(const Arguments& a, const std::vector<std::string>& commandLine) {
   const FinishedRun finished = runScene(std::move(scene), options);
   progress.finish();
   writeReport(makeReport(finished, options, commandLine), report);
-  printSummary(finished, report);
-  return finished.result.interrupted ? kInterrupted : 0;
+  const bool passed = printSummary(finished, report);
+  if (finished.result.interrupted) return kInterrupted;
+  return passed ? 0 : kChecksFailed;
 }
 
 }  // namespace
@@ -149,10 +168,12 @@ int main(int argc, char** argv) {
   CLI::App app("Sand in a Bullet world: lists and runs scenes");
   app.set_version_flag("--version", GRANULAR_VERSION);
   app.require_subcommand(1);
+  app.footer(kExitStatus);
   Arguments arguments;
   app.add_subcommand("list", "Scenes that come with the program");
-  addRunOptions(*app.add_subcommand("run", "Runs a scene and writes pictures, tables and a report"),
-                arguments);
+  CLI::App* runCommand =
+      app.add_subcommand("run", "Runs a scene and writes pictures, tables and a report")->footer(kExitStatus);
+  addRunOptions(*runCommand, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

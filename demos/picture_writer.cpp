@@ -37,6 +37,21 @@ RenderSettings settingsFor(const OutputsDef& outputs, int threads) {
   return settings;
 }
 
+/// Balls are drawn as the spheres they are, everything else by its triangles.
+void addBody(const BuiltBody& body, const std::shared_ptr<const granular::TriangleMesh>& mesh,
+             RenderScene& picture) {
+  const Surface& surface = body.part->look.surface;
+  const Pose pose = body.pose();
+  const auto* sphere = std::get_if<SphereShape>(&body.part->shape);
+  if (sphere == nullptr) {
+    picture.meshes.push_back({mesh, pose, surface});
+    return;
+  }
+  picture.spheres.push_back({pose.position, sphere->radius, Color::Ones(),
+                             static_cast<std::int32_t>(picture.sphereSurfaces.size())});
+  picture.sphereSurfaces.push_back(surface);
+}
+
 /// Frames of an earlier run would come into the film of a shorter one.
 void removeFrames(const std::filesystem::path& folder) {
   for (int i = 0; std::filesystem::remove(framePath(folder, i)); ++i) {
@@ -73,7 +88,7 @@ RenderScene PictureSource::current() const {
     const BuiltBody& body = scene_.bodies()[i];
     const BodyLook& look = body.part->look;
     const Pose pose = body.pose();
-    if (look.visible) picture.meshes.push_back({meshes_[i], pose, look.surface});
+    if (look.visible) addBody(body, meshes_[i], picture);
     if (!look.showParticles) continue;
     const granular::Covering& covering = body.covering.covering;
     for (std::size_t k = 0; k < covering.positions.size(); ++k) {

@@ -103,6 +103,32 @@ TEST(Program, RefusesABadArgumentWithStatusTwo) {
   EXPECT_EQ(Program(scratchFolder("argument"), {"run", "splash", "--frames", "-3"}).wait(), 2);
 }
 
+TEST(Program, EndsWithStatusThreeAndOneLineWhenACheckFails) {
+  const auto folder = scratchFolder("check");
+  // No floor under the grain: after 0.5 s it is 1.2 m below where it started, and the ground is 1 m below.
+  std::ofstream(folder / "hole.json") << R"({
+    "name": "hole", "duration": 0.5, "groundHeight": 0, "materials": {"sand": {}},
+    "shapes": {"ball": {"type": "sphere", "particleRadius": 0.01}},
+    "grains": {"stone": {"shape": "ball", "material": "sand", "position": [0, 1, 0]}}})";
+  const Program program(folder,
+                        {"run", (folder / "hole.json").string(), "--no-pictures", "--out", folder.string()});
+  EXPECT_EQ(program.wait(), 3);
+  // The last of the error output; the progress comes before it.
+  const std::string errors = program.errors();
+  const std::string line = errors.substr(std::min(errors.find("checks FAILED: "), errors.size()));
+  EXPECT_NE(line.find(" 1 below ground"), std::string::npos) << errors;
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << errors;
+  const auto report = nlohmann::json::parse(textOf(folder / "report.json"));
+  EXPECT_EQ(report["result"], "completed");
+  EXPECT_EQ(report["checks"]["passed"], false);
+}
+
+TEST(Program, TellsItsExitStatusesInTheHelp) {
+  const Program program(scratchFolder("help"), {"run", "--help"});
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.output().find("3 completed, but a check failed"), std::string::npos) << program.output();
+}
+
 TEST(Program, RunsTheFramesAskedForAndReports) {
   const auto folder = scratchFolder("run");
   const Program program(folder,
