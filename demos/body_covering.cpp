@@ -52,6 +52,7 @@ void keepOnly(Covering& covering, const Keep& keep) {
     if (!keep(covering.positions[i], covering.radii[i])) continue;
     kept.positions.push_back(covering.positions[i]);
     kept.radii.push_back(covering.radii[i]);
+    if (!covering.areas.empty()) kept.areas.push_back(covering.areas[i]);
   }
   covering = std::move(kept);
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bullet_bridge/convert.h"
+#include "bullet_bridge/pose_algebra.h"
 #include "bullet_bridge/shape_surface.h"
 #include "granular/geometry/mass_properties.h"
 #include "granular/geometry/mesh_file.h"
@@ -14,6 +15,8 @@
 namespace granular_demo {
 namespace {
 
+using bullet_bridge::composed;
+using bullet_bridge::inverse;
 using bullet_bridge::toBullet;
 using granular::TriangleMesh;
 
@@ -24,15 +27,6 @@ constexpr int kMassSegments = 256;
 TriangleMesh placed(TriangleMesh mesh, const Pose& pose) {
   for (Vector3& v : mesh.vertices) v = pose.toWorld(v);
   return mesh;
-}
-
-Pose composed(const Pose& outer, const Pose& inner) {
-  return {outer.toWorld(inner.position), outer.orientation * inner.orientation};
-}
-
-Pose inverse(const Pose& pose) {
-  const Quaternion back = pose.orientation.conjugate();
-  return {-(back * pose.position), back};
 }
 
 TriangleMesh readSolidMesh(const MeshShape& shape) {
@@ -58,6 +52,12 @@ TriangleMesh patchMesh(const PlanePatchShape& patch) {
   return {{{-x, 0, -z}, {-x, 0, z}, {x, 0, z}, {x, 0, -z}}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
+/// What pictures show of a half-space.
+TriangleMesh halfSpaceMesh(const HalfSpaceShape& space) {
+  return placed(patchMesh({space.shownSize, space.shownSize}),
+                {space.height * space.normal, Quaternion::FromTwoVectors(Vector3::UnitY(), space.normal)});
+}
+
 /// Adds the Bullet shape of a simple solid, in the frame it is drawn in.
 class SimpleShape {
  public:
@@ -76,6 +76,9 @@ class SimpleShape {
   std::unique_ptr<btCollisionShape> operator()(const ConeShape& s) const {
     return std::make_unique<btConeShape>(static_cast<btScalar>(s.radius), static_cast<btScalar>(s.height));
   }
+  std::unique_ptr<btCollisionShape> operator()(const HalfSpaceShape& s) const {
+    return std::make_unique<btStaticPlaneShape>(toBullet(s.normal), static_cast<btScalar>(s.height));
+  }
   template <class Other>
   std::unique_ptr<btCollisionShape> operator()(const Other&) const {
     return nullptr;
@@ -88,6 +91,8 @@ void addParts(const BodyShapeDef& def, const Pose& pose, int segments, std::vect
     parts.push_back(placed(readSolidMesh(*mesh), pose));
   } else if (const auto* patch = std::get_if<PlanePatchShape>(&def)) {
     parts.push_back(placed(patchMesh(*patch), pose));
+  } else if (const auto* space = std::get_if<HalfSpaceShape>(&def)) {
+    parts.push_back(placed(halfSpaceMesh(*space), pose));
   } else if (const auto* compound = std::get_if<CompoundShape>(&def)) {
     for (const ShapeChild& child : compound->children) {
       addParts(child.shape, composed(pose, child.pose), segments, parts);
@@ -113,7 +118,7 @@ void setMassProperties(const BodyShapeDef& def, BodySolid& solid) {
     solid.unitInertia = Vector3::Constant(0.4 * solid.volume * r * r);
     return;
   }
-  if (std::holds_alternative<PlanePatchShape>(def)) return;
+  if (std::holds_alternative<PlanePatchShape>(def) || std::holds_alternative<HalfSpaceShape>(def)) return;
   std::vector<TriangleMesh> fine;
   addParts(def, {}, kMassSegments, fine);
   const granular::MassProperties properties = granular::massProperties(joined(fine), 1.0);
@@ -177,9 +182,11 @@ void setBulletShape(const BodyShapeDef& def, BodyKind motion, BodySolid& solid) 
 
 }  // namespace
 
-BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion) {
+BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion, BodyAxes axes) {
   BodySolid solid;
   setMassProperties(shape, solid);
+  if (axes == BodyAxes::drawn)
+    solid.frame.orientation.setIdentity();  // the moments are no longer the shape's
   addParts(shape, inverse(solid.frame), kSegments, solid.parts);
   setBulletShape(shape, motion, solid);
   return solid;

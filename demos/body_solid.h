@@ -14,9 +14,9 @@
 namespace granular_demo {
 
 struct BodySolid {
-  std::vector<granular::TriangleMesh> parts;  ///< each closed (but the plane patch), body frame, m
+  std::vector<granular::TriangleMesh> parts;  ///< each closed (but plane patch and half-space), body frame, m
   Pose frame;                                 ///< of the body frame, in the frame the shape was drawn in
-  double volume = 0.0;                    ///< m^3; of a compound the sum of its parts; 0 for a plane patch
+  double volume = 0.0;                    ///< m^3; of a compound the sum of its parts; 0 without an inside
   Vector3 unitInertia = Vector3::Zero();  ///< principal moments at density 1, m^5
 
   /// Bullet's shape; those it is made of live beside it. Particles meet particles, so Bullet's shape matters
@@ -27,8 +27,14 @@ struct BodySolid {
   btCollisionShape& shape() const { return *shapes.back(); }
 };
 
+/// Axes of the body frame.
+enum class BodyAxes {
+  principal,  ///< of the shape at even density
+  drawn,      ///< those the shape is drawn in
+};
+
 /// Throws std::runtime_error naming the file if a mesh cannot be read or is not the surface of a solid.
-BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion);
+BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion, BodyAxes axes = BodyAxes::principal);
 
 /// Smallest box round a shape, in the frame it was drawn in.
 Box boundsOf(const BodyShapeDef& shape);

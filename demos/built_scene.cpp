@@ -57,6 +57,12 @@ double massOf(const BodyPart& part, const BodySolid& solid) {
   return part.mass ? *part.mass : *part.density * solid.volume;
 }
 
+/// Principal moments in the body's frame, kg m^2; 0 for what does not move freely.
+Vector3 inertiaOf(const BodyPart& part, const BodySolid& solid, double mass) {
+  if (part.inertia) return *part.inertia;
+  return solid.volume > 0.0 ? Vector3(mass / solid.volume * solid.unitInertia) : Vector3::Zero();
+}
+
 }  // namespace
 
 Pose BuiltBody::pose() const {
@@ -70,8 +76,6 @@ BuiltScene::BuiltScene(SceneDef def, int threads) : def_(std::move(def)) {
   world_ = std::make_unique<bullet_bridge::GranularDynamicsWorld>(&dispatcher_, &broadphase_, &solver_,
                                                                   &configuration_, layer);
   world_->setGravity(toBullet(def_.gravity));
-  grains().setGravity(
-      def_.gravity);  // the world hands it over at its first step; the energy at the start needs it now
   addMaterials();
   addShapes();
   const double smallest = smallestGrainRadius();
@@ -83,6 +87,8 @@ BuiltScene::BuiltScene(SceneDef def, int threads) : def_(std::move(def)) {
     named(def_, "fills." + def_.fills[i].name, [&] { addFill(def_.fills[i], i); });
   }
   moveScriptedBodies(0.0);
+  impactSpeed_ = impactSpeedOf(*this);
+  advice_ = grains().advice(impactSpeed_.speed);
 }
 
 BuiltScene::~BuiltScene() {
@@ -125,12 +131,10 @@ double BuiltScene::smallestGrainRadius() const {
 void BuiltScene::addBody(const BodyPart& part, double smallestGrainRadius, int threads) {
   BuiltBody built;
   built.part = &part;
-  built.solid = makeBodySolid(part.shape, part.motion);
+  built.solid = makeBodySolid(part.shape, part.motion, part.inertia ? BodyAxes::drawn : BodyAxes::principal);
   built.mass = massOf(part, built.solid);
   built.material = materials_.at(part.material);
-  const Vector3 inertia = built.solid.volume > 0.0
-                              ? Vector3(built.mass / built.solid.volume * built.solid.unitInertia)
-                              : Vector3::Zero();
+  const Vector3 inertia = inertiaOf(part, built.solid, built.mass);
   btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(built.mass), nullptr,
                                                 &built.solid.shape(), toBullet(inertia));
   const Pose pose = {part.pose.toWorld(built.solid.frame.position),
@@ -149,15 +153,20 @@ void BuiltScene::addBody(const BodyPart& part, double smallestGrainRadius, int t
   built.body->setAngularVelocity(toBullet(part.spin));
   world_->addRigidBody(built.body.get());
   bodies_.push_back(std::move(built));
-  if (!part.covering) return;
+  if (!part.meetsGrains()) return;
 
   BuiltBody& added = bodies_.back();
+  bullet_bridge::CoverBodyDef cover;
+  cover.material = added.material;
+  if (part.contact == BodyContact::exact) {
+    cover.contact = bullet_bridge::SurfaceContact::Exact;
+    world_->coverBody(*added.body, cover);
+    return;
+  }
   CoveringPart covering = *part.covering;
   covering.seed = partSeed(def_, covering.seed, bodies_.size());
   added.covering = coverSolid(part.shape, added.solid, covering, smallestGrainRadius, threads);
-  bullet_bridge::CoverBodyDef cover;
   cover.covering = added.covering.covering;
-  cover.material = added.material;
   world_->coverBody(*added.body, cover);
 }
 
@@ -185,7 +194,8 @@ void BuiltScene::addFill(const FillPart& part, std::size_t index) {
   def.angularVelocity = part.spin;
   const auto shape = std::find_if(def_.shapes.begin(), def_.shapes.end(),
                                   [&](const auto& s) { return s.name == part.shape; });
-  for (const granular::PlacedGrain& grain : granular::fillRegion(part.region, *shape, fill)) {
+  for (const granular::PlacedGrain& grain :
+       granular::fillRegion(clearOfHalfSpaces(part.region), *shape, fill)) {
     def.pose = grain.pose;
     def.scale = grain.scale;
     grains().addGrain(def);
@@ -193,7 +203,19 @@ void BuiltScene::addFill(const FillPart& part, std::size_t index) {
   }
 }
 
-/// What a fill must keep clear of: particles of bodies and of grains placed before.
+/// The region less what is solid: a fill knows of no obstacles but particles.
+granular::FillRegion BuiltScene::clearOfHalfSpaces(granular::FillRegion region) const {
+  for (const BuiltBody& body : bodies_) {
+    const auto* space = std::get_if<HalfSpaceShape>(&body.part->shape);
+    if (!space || !body.part->meetsGrains()) continue;
+    region.depth = [depth = std::move(region.depth), pose = body.pose(), space](const Vector3& p) {
+      return std::min(depth(p), space->normal.dot(pose.toOwn(p)) - space->height);
+    };
+  }
+  return region;
+}
+
+/// What a fill must keep clear of: particles and exact spheres of bodies, and grains placed before.
 std::vector<granular::ShapeParticle> BuiltScene::particlesNear(const Box& box) const {
   std::vector<granular::ParticleView> all;
   grains().readParticles(all);
@@ -201,6 +223,11 @@ std::vector<granular::ShapeParticle> BuiltScene::particlesNear(const Box& box) c
   for (const granular::ParticleView& p : all) {
     const Vector3 nearest = p.position.cwiseMax(box.lower).cwiseMin(box.upper);
     if ((nearest - p.position).norm() <= 2.0 * p.radius) near.push_back({p.position, p.radius});
+  }
+  for (const BuiltBody& body : bodies_) {
+    const auto* sphere = std::get_if<SphereShape>(&body.part->shape);
+    if (sphere && body.part->contact == BodyContact::exact)
+      near.push_back({body.pose().position, sphere->radius});
   }
   return near;
 }
@@ -239,7 +266,7 @@ std::int64_t BuiltScene::coveringParticles() const {
 std::vector<granular::CloudBody> BuiltScene::cloudBodies() const {
   std::vector<granular::CloudBody> all;
   for (const BuiltBody& body : bodies_) {
-    if (body.part->covering) all.push_back({world_->bodyIdOf(*body.body), body.material});
+    if (body.part->meetsGrains()) all.push_back({world_->bodyIdOf(*body.body), body.material});
   }
   return all;
 }

@@ -13,6 +13,7 @@
 #include "bullet_bridge/bullet_bridge.h"
 #include "demos/body_covering.h"
 #include "demos/body_solid.h"
+#include "demos/impact_speed.h"
 #include "demos/scene_def.h"
 #include "granular/io/vtp_writer.h"
 
@@ -52,6 +53,10 @@ class BuiltScene {
   /// How the grain in that place shall look, by GrainId::index.
   const GrainLook& lookOf(std::int32_t grainIndex) const { return *looks_.at(grainIndex); }
   std::int64_t coveringParticles() const;
+  /// The largest speed of impacts to reckon with.
+  const ImpactSpeed& impactSpeed() const { return impactSpeed_; }
+  /// What is legal but unwise in this scene at that speed, one line each (granular::GranularSystem::advice).
+  const std::vector<std::string>& advice() const { return advice_; }
   /// The covered bodies as the VTP writer wants them.
   std::vector<granular::CloudBody> cloudBodies() const;
   /// A number made of every bit of the state of grains and bodies: equal runs have equal hashes.
@@ -64,6 +69,7 @@ class BuiltScene {
   void addFill(const FillPart& part, std::size_t index);
   void addGrain(const GrainPart& part);
   std::vector<granular::ShapeParticle> particlesNear(const Box& box) const;
+  granular::FillRegion clearOfHalfSpaces(granular::FillRegion region) const;
   double smallestGrainRadius() const;
   void moveScriptedBodies(double time);
 
@@ -79,6 +85,8 @@ class BuiltScene {
   std::map<std::string, granular::GrainId> namedGrains_;
   std::vector<const GrainLook*> looks_;
   std::int64_t ticksDone_ = 0;
+  ImpactSpeed impactSpeed_;
+  std::vector<std::string> advice_;
 };
 
 /// Puts the mesh of a file in place of the body the scene marks with "replaceableByMesh": same bounding size,

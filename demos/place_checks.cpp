@@ -2,14 +2,19 @@
 #include "demos/place_checks.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace granular_demo {
 
 PlaceChecks::PlaceChecks(const BuiltScene& scene) : scene_(scene) {
   for (const BuiltBody& body : scene.bodies()) {
-    if (!body.part->covering || std::holds_alternative<PlanePatchShape>(body.part->shape)) continue;
+    if (!body.part->meetsGrains() || std::holds_alternative<PlanePatchShape>(body.part->shape)) continue;
     Solid& solid = solids_.emplace_back();
     solid.body = &body;
+    if (std::holds_alternative<HalfSpaceShape>(body.part->shape)) {
+      solid.boundingRadius = std::numeric_limits<double>::infinity();
+      continue;
+    }
     for (const granular::TriangleMesh& part : body.solid.parts) {
       for (const Vector3& v : part.vertices) solid.boundingRadius = std::max(solid.boundingRadius, v.norm());
       solid.parts.push_back(std::make_unique<granular::MeshDistance>(part));
@@ -21,6 +26,8 @@ PlaceChecks::PlaceChecks(const BuiltScene& scene) : scene_(scene) {
 bool PlaceChecks::isInside(const Solid& solid, const Vector3& own, double depth) {
   const BodyShapeDef& shape = solid.body->part->shape;
   if (const auto* sphere = std::get_if<SphereShape>(&shape)) return own.norm() < sphere->radius - depth;
+  if (const auto* space = std::get_if<HalfSpaceShape>(&shape))
+    return space->normal.dot(own) < space->height - depth;
   if (const auto* box = std::get_if<BoxShape>(&shape)) {
     const Vector3 drawn = solid.body->solid.frame.toWorld(own);
     return (0.5 * box->size - drawn.cwiseAbs()).minCoeff() > depth;

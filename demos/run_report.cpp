@@ -56,7 +56,12 @@ Json sceneInfo(const SceneDef& def) {
           {"frameRate", def.frameRate},
           {"ticksPerFrame", def.ticksPerFrame},
           {"stepper", stepperNames().at(static_cast<std::size_t>(def.integrator.stepper))},
-          {"tolerance", def.integrator.tolerance}};
+          {"tolerance", def.integrator.tolerance},
+          {"contactTimeFraction", def.integrator.contactTimeFraction},
+          {"eventFraction", def.integrator.eventFraction},
+          {"eventContacts", def.integrator.eventContacts},
+          {"smallestSubStep", def.integrator.smallestSubStep},
+          {"trialLimit", def.integrator.trialLimit}};
 }
 
 Json coveringInfo(const BuiltScene& scene) {
@@ -173,6 +178,11 @@ Json creepInfo(const BuiltScene& scene) {
   return all;
 }
 
+Json adviceInfo(const BuiltScene& scene) {
+  const ImpactSpeed& impact = scene.impactSpeed();
+  return {{"impactSpeed", impact.speed}, {"reason", impact.reason}, {"lines", scene.advice()}};
+}
+
 Json timeInfo(const RunResult& result) {
   return {{"total", result.totalSeconds},
           {"setUp", result.setUpSeconds},
@@ -208,6 +218,7 @@ Json makeReport(const FinishedRun& run, const RunOptions& options,
           {"start", energyInfo(result.state.start)},
           {"end", energyInfo(result.state.end)},
           {"checks", checkInfo(*run.scene, result)},
+          {"advice", adviceInfo(*run.scene)},
           {"creepSpeeds", creepInfo(*run.scene)},
           {"stateHash", hash},
           {"wallSeconds", timeInfo(result)},

@@ -166,6 +166,7 @@ FinishedRun runScene(SceneDef def, const RunOptions& options) {
   FinishedRun run;
   run.scene = std::make_unique<BuiltScene>(std::move(def), options.threads);
   run.result.setUpSeconds = watch.seconds();
+  if (options.onBuilt) options.onBuilt(*run.scene);
   run.result.grains = run.scene->grains().grainCount();
   run.result.grainParticles = run.scene->grains().particleCount() - run.scene->coveringParticles();
   Runner(*run.scene, options, run.result).run();

@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path folder = {};         ///< for all files; empty: none are written, no pictures are made
   std::optional<int> frames = std::nullopt;  ///< > 0; none: as many as the scene lasts
   int threads = 1;                           ///< > 0, of the simulation and of the pictures
+  std::function<void(const BuiltScene&)> onBuilt = {};   ///< before the first tick; may be empty
   std::function<void(const RunProgress&)> onFrame = {};  ///< after each frame; may be empty
   std::function<bool()> shallStop = {};                  ///< asked after each tick; may be empty
 };

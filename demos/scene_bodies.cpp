@@ -28,7 +28,10 @@ CompoundShape readCompound(const JsonPlace& place, const std::filesystem::path& 
   for (const JsonPlace& element : place.elements()) {
     JsonObject child(element);
     const Pose pose = readPose(child);
-    compound.children.push_back({readShape(child.at("shape"), folder), pose});
+    const JsonPlace shape = child.at("shape");
+    compound.children.push_back({readShape(shape, folder), pose});
+    if (std::holds_alternative<HalfSpaceShape>(compound.children.back().shape))
+      shape.fail("any shape but a halfSpace, which has no end");
     child.finish();
   }
   if (compound.children.empty()) place.fail("at least one child");
@@ -39,8 +42,8 @@ BodyShapeDef readShape(const JsonPlace& place, const std::filesystem::path& fold
   JsonObject object(place);
   const auto length = [&](const char* key) { return object.number(key, Range::positive()); };
   BodyShapeDef shape;
-  switch (object.choice("type",
-                        {"mesh", "box", "sphere", "capsule", "cylinder", "cone", "planePatch", "compound"})) {
+  switch (object.choice("type", {"mesh", "box", "sphere", "capsule", "cylinder", "cone", "planePatch",
+                                 "halfSpace", "compound"})) {
     case 0:
       shape = readMeshShape(object, folder);
       break;
@@ -64,6 +67,11 @@ BodyShapeDef readShape(const JsonPlace& place, const std::filesystem::path& fold
       break;
     case 6:
       shape = PlanePatchShape{length("sizeX"), length("sizeZ")};
+      break;
+    case 7:
+      shape = HalfSpaceShape{.normal = object.direction("normal", Vector3::UnitY()).normalized(),
+                             .height = object.number("height", Range::any(), 0.0),
+                             .shownSize = object.number("shownSize", Range::positive(), 1.0)};
       break;
     default:
       shape = readCompound(object.at("children"), folder);
@@ -132,6 +140,19 @@ ScriptDef readScript(const JsonPlace& place) {
   return script;
 }
 
+/// Moments of a solid: none exceeds the sum of the other two (a flat body reaches it).
+void readInertia(JsonObject& object, BodyPart& part) {
+  if (!object.has("inertia")) return;
+  const JsonPlace place = object.at("inertia");
+  const Vector3 inertia = place.vector3();
+  if (!part.mass) place.fail("only together with \"mass\"");
+  if (inertia.minCoeff() <= 0.0) place.fail("three numbers > 0");
+  if (2.0 * inertia.maxCoeff() > inertia.sum() * (1.0 + 1e-9)) {
+    place.fail("three numbers of which none exceeds the sum of the other two");
+  }
+  part.inertia = inertia;
+}
+
 /// A dynamic body needs exactly one of mass and density; for others they mean nothing.
 void readMass(JsonObject& object, BodyPart& part) {
   part.mass = object.optionalNumber("mass", Range::positive());
@@ -145,6 +166,22 @@ void readMass(JsonObject& object, BodyPart& part) {
   if (!part.mass && !part.density) object.place().fail("with \"mass\" or \"density\", since it is dynamic");
 }
 
+bool isOpen(const BodyShapeDef& shape) {
+  return std::holds_alternative<PlanePatchShape>(shape) || std::holds_alternative<HalfSpaceShape>(shape);
+}
+
+void readContact(JsonObject& object, BodyPart& part) {
+  const bool isEndless = std::holds_alternative<HalfSpaceShape>(part.shape);
+  const bool canBeExact = isEndless || std::holds_alternative<SphereShape>(part.shape);
+  part.contact = static_cast<BodyContact>(object.choice("contact", {"particles", "exact"}, 0));
+  if (object.has("covering")) part.covering = readCovering(object.object("covering"));
+  if (part.contact == BodyContact::exact && !canBeExact)
+    object.at("contact").fail("\"particles\" for any shape but a sphere and a halfSpace");
+  if (part.contact == BodyContact::exact && part.covering)
+    object.at("covering").fail("none, since \"contact\" is \"exact\"");
+  if (part.covering && isEndless) object.at("covering").fail("none for a halfSpace: \"contact\": \"exact\"");
+}
+
 BodyPart readBody(const std::string& name, const JsonPlace& place,
                   const std::vector<std::string>& materialNames, const std::vector<std::string>& scriptNames,
                   const std::filesystem::path& folder) {
@@ -153,12 +190,13 @@ BodyPart readBody(const std::string& name, const JsonPlace& place,
   part.name = name;
   part.shape = readShape(object.at("shape"), folder);
   part.motion = static_cast<BodyKind>(object.choice("motion", {"static", "kinematic", "dynamic"}, 0));
-  if (part.motion == BodyKind::dynamic && std::holds_alternative<PlanePatchShape>(part.shape)) {
-    object.at("motion").fail("\"static\" or \"kinematic\" for a planePatch");
+  if (part.motion == BodyKind::dynamic && isOpen(part.shape)) {
+    object.at("motion").fail("\"static\" or \"kinematic\" for a planePatch or halfSpace");
   }
   readMass(object, part);
+  readInertia(object, part);
   part.material = materialNames[object.choice("material", materialNames)];
-  if (object.has("covering")) part.covering = readCovering(object.object("covering"));
+  readContact(object, part);
   part.pose = readPose(object);
   part.velocity = object.vector3("velocity", part.velocity);
   part.spin = object.vector3("spin", part.spin);

@@ -101,12 +101,18 @@ struct PlanePatchShape {
   double sizeX = 0.0;
   double sizeZ = 0.0;
 };
+/// Endless, solid where normal . x < height; for bodies that do not move or move by a script.
+struct HalfSpaceShape {
+  Vector3 normal = Vector3::UnitY();  ///< of length 1
+  double height = 0.0;                ///< m
+  double shownSize = 1.0;             ///< edge of the square that pictures show, m
+};
 struct ShapeChild;
 struct CompoundShape {
   std::vector<ShapeChild> children;
 };
 using BodyShapeDef = std::variant<MeshShape, BoxShape, SphereShape, CapsuleShape, CylinderShape, ConeShape,
-                                  PlanePatchShape, CompoundShape>;
+                                  PlanePatchShape, HalfSpaceShape, CompoundShape>;
 struct ShapeChild {
   BodyShapeDef shape;
   Pose pose;
@@ -126,6 +132,12 @@ struct CoveringPart {
   LayerDef layer;                     ///< default offset: one radius inwards, so that the body keeps its size
   std::optional<LayerDef> roughness;  ///< a second layer of smaller particles; default offset: on the surface
   std::uint64_t seed = 1;
+};
+
+/// What of a body meets grains.
+enum class BodyContact {
+  particles,  ///< its covering; none: nothing
+  exact,      ///< its surface as it is: spheres and half-spaces
 };
 
 /// How a body looks.
@@ -170,14 +182,20 @@ struct BodyPart {
   BodyKind motion = BodyKind::fixed;
   std::optional<double> mass;     ///< kg; dynamic bodies have this or the density
   std::optional<double> density;  ///< kg/m^3
+  /// Moments about the axes the shape is drawn in, through its centre of mass, kg m^2; none: of the shape.
+  std::optional<Vector3> inertia;
   std::string material;
-  std::optional<CoveringPart> covering;  ///< none: Bullet alone moves it, and grains do not see it
+  BodyContact contact = BodyContact::particles;
+  std::optional<CoveringPart> covering;
   Pose pose;
   Vector3 velocity = Vector3::Zero();
   Vector3 spin = Vector3::Zero();
   std::string script;  ///< name of a ScriptDef; empty: none
   bool replaceableByMesh = false;
   BodyLook look;
+
+  /// Else Bullet alone moves it, and grains do not see it.
+  bool meetsGrains() const { return covering || contact == BodyContact::exact; }
 };
 
 /// Beyond `box` a grain counts as escaped. In a closed scene that is a failure.

@@ -63,6 +63,8 @@ Json parse(const std::string& text, const std::string& file) {
     return json;
   } catch (const Json::parse_error& error) {
     throw SceneError(file, lineAndColumn(text, error.byte), "not JSON: " + reasonOf(error));
+  } catch (const Json::out_of_range&) {
+    throw SceneError(file, "", "holds a number too large for a double");
   }
 }
 
@@ -114,6 +116,10 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
   def.tolerance = object.number("tolerance", Range::positive(), def.tolerance);
   def.contactTimeFraction = object.number("contactTimeFraction", {.low = 0.0, .high = 0.3, .openLow = true},
                                           def.contactTimeFraction);
+  def.eventFraction =
+      object.number("eventFraction", {.low = 0.0, .high = 1.0, .openLow = true}, def.eventFraction);
+  def.eventContacts = static_cast<int>(
+      object.integer("eventContacts", 0, std::numeric_limits<int>::max(), def.eventContacts));
   def.smallestSubStep = object.number("smallestSubStep", Range::positive(), def.smallestSubStep);
   def.trialLimit =
       static_cast<int>(object.integer("trialLimit", 1, std::numeric_limits<int>::max(), def.trialLimit));

@@ -141,7 +141,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "integrator.contactTimeFraction: value 0.5; allowed: a number in (0, 0.3]"},
         Mistake{"/integrator/speed", 1,
                 "integrator.speed: unknown key; allowed here: stepper, tolerance, contactTimeFraction, "
-                "smallestSubStep, trialLimit"},
+                "eventFraction, eventContacts, smallestSubStep, trialLimit"},
+        Mistake{"/integrator/eventFraction", 2,
+                "integrator.eventFraction: value 2; allowed: a number in (0, 1]"},
+        Mistake{"/integrator/eventContacts", -1,
+                "integrator.eventContacts: value -1; allowed: an integer in [0, 2147483647]"},
+        Mistake{"/integrator/trialLimit", 0,
+                "integrator.trialLimit: value 0; allowed: an integer in [1, 2147483647]"},
         Mistake{"/materials", Json::object(), "materials: value {}; allowed: at least one material"},
         Mistake{"/materials/sand/restitution", 1.2,
                 "materials.sand.restitution: value 1.2; allowed: a number in [0.01, 1]"},
@@ -155,7 +161,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/pairs/0/between/1", "snow",
                 "pairs[0].between[1]: value \"snow\"; allowed: one of sand, steel"},
         Mistake{"/pairs/0/normal/law", "spring",
-                "pairs[0].normal.law: value \"spring\"; allowed: one of hertz-viscoelastic, hertz-tsuji, hertz-constant-damping, linear-spring"},
+                "pairs[0].normal.law: value \"spring\"; allowed: one of hertz-viscoelastic, hertz-tsuji, "
+                "hertz-constant-damping, linear-spring"},
         Mistake{"/pairs/0/shear/viscosity", -5, "pairs[0].shear.viscosity: value -5; allowed: a number >= 0"},
         Mistake{
             "/shapes/tetra/type", "octahedron",
@@ -191,7 +198,27 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/bodies/ball/shape/type", "egg",
                 "bodies.ball.shape.type: value \"egg\"; allowed: one of mesh, box, sphere, capsule, "
                 "cylinder, cone, "
-                "planePatch, compound"},
+                "planePatch, halfSpace, compound"},
+        Mistake{
+            "/bodies/ball/shape",
+            {{"type", "halfSpace"}},
+            "bodies.ball.motion: value \"dynamic\"; allowed: \"static\" or \"kinematic\" for a planePatch or "
+            "halfSpace"},
+        Mistake{"/bodies/ball/shape",
+                {{"type", "halfSpace"}, {"normal", {0, 0, 0}}},
+                "bodies.ball.shape.normal: value [0,0,0]; allowed: a direction, not zero"},
+        Mistake{"/bodies/ball/contact", "soft",
+                "bodies.ball.contact: value \"soft\"; allowed: one of particles, exact"},
+        Mistake{
+            "/bodies/plate/contact", "exact",
+            "bodies.plate.contact: value \"exact\"; allowed: \"particles\" for any shape but a sphere and a "
+            "halfSpace"},
+        Mistake{"/bodies/ball/contact", "exact",
+                "bodies.ball.covering: value {\"particleRadius\":0.01}; allowed: none, since \"contact\" is "
+                "\"exact\""},
+        Mistake{"/bodies/ball/inertia",
+                {1, 1, 1},
+                "bodies.ball.inertia: value [1,1,1]; allowed: only together with \"mass\""},
         Mistake{"/bodies/ball/shape/radius", -1, "bodies.ball.shape.radius: value -1; allowed: a number > 0"},
         Mistake{"/bodies/plate/shape/size",
                 {1, 0, 1},
@@ -238,6 +265,109 @@ TEST(SceneFile, NamesAKeyThatIsMissing) {
   scene["bodies"]["ball"].erase("material");
   EXPECT_EQ(complaintAbout(scene), "folder/test.json: bodies.ball.material: is missing");
 }
+
+TEST(SceneFile, ReadsEveryFieldOfTheIntegrator) {
+  const granular::IntegratorDef def = read(withValue("/integrator", {{"tolerance", 1e-6},
+                                                                     {"contactTimeFraction", 0.2},
+                                                                     {"eventFraction", 0.01},
+                                                                     {"eventContacts", 5},
+                                                                     {"smallestSubStep", 1e-12},
+                                                                     {"trialLimit", 77}}))
+                                          .integrator;
+  EXPECT_EQ(def.tolerance, 1e-6);
+  EXPECT_EQ(def.contactTimeFraction, 0.2);
+  EXPECT_EQ(def.eventFraction, 0.01);
+  EXPECT_EQ(def.eventContacts, 5);
+  EXPECT_EQ(def.smallestSubStep, 1e-12);
+  EXPECT_EQ(def.trialLimit, 77);
+}
+
+TEST(SceneFile, ReadsAHalfSpaceMetExactly) {
+  Json scene = smallScene();
+  scene["bodies"]["floor"] = {{"shape", {{"type", "halfSpace"}, {"normal", {0, 3, 4}}, {"height", -0.2}}},
+                              {"material", "steel"},
+                              {"contact", "exact"}};
+  const BodyPart floor = read(scene).bodies.back();
+  EXPECT_EQ(floor.contact, BodyContact::exact);
+  EXPECT_TRUE(floor.meetsGrains());
+  EXPECT_LT((std::get<HalfSpaceShape>(floor.shape).normal - Vector3(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(std::get<HalfSpaceShape>(floor.shape).height, -0.2);
+}
+
+TEST(SceneFile, RefusesAHalfSpaceWithinACompound) {
+  Json scene = smallScene();
+  scene["bodies"]["plate"]["shape"] = {{"type", "compound"},
+                                       {"children", {{{"shape", {{"type", "halfSpace"}}}}}}};
+  EXPECT_EQ(
+      complaintAbout(scene),
+      "folder/test.json: bodies.plate.shape.children[0].shape: value {\"type\":\"halfSpace\"}; allowed: "
+      "any shape but a halfSpace, which has no end");
+}
+
+TEST(SceneFile, RefusesMomentsThatNoSolidHas) {
+  Json scene = smallScene();
+  scene["bodies"]["ball"].erase("density");
+  scene["bodies"]["ball"]["mass"] = 2;
+  scene["bodies"]["ball"]["inertia"] = {1, 1, 2.5};
+  EXPECT_EQ(complaintAbout(scene),
+            "folder/test.json: bodies.ball.inertia: value [1,1,2.5]; allowed: three "
+            "numbers of which none exceeds the sum of the other two");
+  scene["bodies"]["ball"]["inertia"] = {1, 1, 2};
+  EXPECT_EQ(complaintAbout(scene), "");
+}
+
+TEST(SceneFile, RefusesANumberTooLargeForADouble) {
+  std::string text = smallScene().dump();
+  const std::string number = "\"duration\":0.5";
+  text.replace(text.find(number), number.size(), "\"duration\":1e999");
+  EXPECT_EQ(complaintAboutText(text), "folder/test.json: holds a number too large for a double");
+}
+
+// ---- every number of the physics, negative or zero
+
+struct NumberKey {
+  const char* pointer;
+  bool zeroIsAllowed;
+};
+
+class SceneNumber : public ::testing::TestWithParam<NumberKey> {};
+
+/// The complaint about a value at the key begins with the key's path.
+bool isRefused(const char* pointer, const Json& value) {
+  std::string path;
+  for (const char* c = pointer + 1; *c != 0; ++c) path += *c == '/' ? '.' : *c;
+  for (const char* list : {"pairs.0", "particles.0"}) {  // places in lists are written [0]
+    const std::size_t at = path.find(list);
+    if (at != std::string::npos) path.replace(path.find('.', at), 2, "[0]");
+  }
+  return complaintAbout(withValue(pointer, value)).starts_with("folder/test.json: " + path + ": value ");
+}
+
+TEST_P(SceneNumber, IsRefusedWhereItMeansNothing) {
+  EXPECT_TRUE(isRefused(GetParam().pointer, -1e-9));
+  EXPECT_TRUE(isRefused(GetParam().pointer, "a lot"));
+  EXPECT_TRUE(isRefused(GetParam().pointer, nullptr));
+  EXPECT_EQ(isRefused(GetParam().pointer, 0), !GetParam().zeroIsAllowed);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SceneNumber,
+    ::testing::Values(
+        NumberKey{"/duration", false}, NumberKey{"/frameRate", false},
+        NumberKey{"/integrator/tolerance", false}, NumberKey{"/integrator/contactTimeFraction", false},
+        NumberKey{"/integrator/eventFraction", false}, NumberKey{"/integrator/smallestSubStep", false},
+        NumberKey{"/materials/sand/density", false}, NumberKey{"/materials/sand/youngsModulus", false},
+        NumberKey{"/materials/sand/restitution", false}, NumberKey{"/materials/sand/friction", true},
+        NumberKey{"/pairs/0/normal/restitution", false}, NumberKey{"/pairs/0/normal/atSpeed", false},
+        NumberKey{"/pairs/0/normal/contactTime", false}, NumberKey{"/pairs/0/normal/stiffness", false},
+        NumberKey{"/pairs/0/normal/damping", true}, NumberKey{"/pairs/0/bodyNormal/stiffness", false},
+        NumberKey{"/pairs/0/bodyNormal/damping", true}, NumberKey{"/pairs/0/shear/friction", true},
+        NumberKey{"/pairs/0/shear/viscosity", true}, NumberKey{"/pairs/0/shear/stiffness", false},
+        NumberKey{"/pairs/0/shear/dampingRatio", true}, NumberKey{"/shapes/tetra/particleRadius", false},
+        NumberKey{"/shapes/pair/particles/0/radius", false}, NumberKey{"/grains/first/scale", false},
+        NumberKey{"/bodies/ball/shape/radius", false}, NumberKey{"/bodies/ball/density", false},
+        NumberKey{"/bodies/ball/covering/particleRadius", false},
+        NumberKey{"/bodies/ball/covering/density", false}, NumberKey{"/fills/heap/gap", true}));
 
 TEST(SceneFile, WantsAMassOrADensityForADynamicBody) {
   Json scene = smallScene();

@@ -2,8 +2,10 @@
 // Runs of scenes: the physics stays sane, threads change nothing, files hold what they promise.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include "demos/csv_file.h"
@@ -144,6 +146,51 @@ TEST(RunReport, GivesTheCreepSpeedOfSandOnEveryMaterial) {
     EXPECT_GT(pair["speed"].get<double>(), 0.0);
   }
 }
+
+TEST(RunReport, HoldsTheAdviceAndTheSpeedItIsFor) {
+  const Json report = makeReport(impact(), {.threads = 2}, {});
+  EXPECT_EQ(report["advice"]["lines"].get<std::vector<std::string>>(), impact().scene->advice());
+  EXPECT_EQ(report["advice"]["impactSpeed"], impact().scene->impactSpeed().speed);
+}
+
+// ---- the scene of one impact, read as a user reads it: from its trajectory
+
+struct ObliqueImpact {
+  double restitution, friction, degrees;  // angle of incidence from the normal
+  granular::NormalLaw law = granular::NormalLaw::HertzViscoelastic;
+};
+
+class ImpactScene : public ::testing::TestWithParam<ObliqueImpact> {};
+
+TEST_P(ImpactScene, ReboundsAsAskedAndSlidesAsCoulombSays) {
+  const auto [e, mu, degrees, law] = GetParam();
+  SceneDef scene = readSceneFile(findScene("impact"));
+  scene.outputs.pictures = false;
+  scene.pairs.at(0).law.restitution = e;
+  scene.pairs.at(0).law.friction = mu;
+  scene.pairs.at(0).law.normal.law = law;
+  const double tangent = std::tan(degrees * std::numbers::pi / 180.0);
+  const double radius = scene.shapes.at(0).particles.at(0).radius;
+  scene.grains.at(0).velocity.x() = -tangent * scene.grains.at(0).velocity.y();
+  const auto folder = scratchFolder("impact");
+  runScene(scene, {.folder = folder, .threads = 1});
+  const auto rows = readCsv(folder / "trajectory_grain_ball.csv");
+  const auto last = [&](std::size_t column) { return std::stod(rows.back().at(column)); };
+  const auto first = [&](std::size_t column) { return std::stod(rows.at(1).at(column)); };
+  constexpr std::size_t kVx = 4, kVy = 5, kWz = 13;
+  EXPECT_NEAR(-last(kVy) / first(kVy), e, 1e-3);
+  // It slides all the while: the impulse along the plane is mu times that across it.
+  ASSERT_LT(3.5 * mu * (1.0 + e), tangent);
+  EXPECT_NEAR(last(kVx) / first(kVx), 1.0 - mu * (1.0 + e) / tangent, 1e-3);
+  const double spin = 2.5 * mu * (1.0 + e) * first(kVy) / radius;  // backwards: about -z
+  EXPECT_NEAR(last(kWz), spin, 3e-3 * std::abs(spin));  // the lever is shorter by the overlap, up to 0.27 %
+}
+
+INSTANTIATE_TEST_SUITE_P(OfTheFileAndOthers, ImpactScene,
+                         ::testing::Values(ObliqueImpact{0.9, 0.1, 60}, ObliqueImpact{0.5, 0.3, 75},
+                                           ObliqueImpact{0.7, 0.05, 30},
+                                           ObliqueImpact{0.98, 0.2, 80, granular::NormalLaw::LinearSpring},
+                                           ObliqueImpact{0.3, 0.1, 45, granular::NormalLaw::HertzTsuji}));
 
 // ---- energy check, on made-up energies
 

@@ -182,6 +182,14 @@ class GranularSystem {
   /// Energies, momentum, contacts of the present state, without stepping.
   StepReport measure();
 
+  /// What is legal but unwise among the kinds of particles that are in the system now, for impacts at up to
+  /// `speed`, m/s, >= 0. One line each, with the names of the materials and the number to change: overlaps
+  /// beyond 5 % of the smaller radius; given viscosities, stiffnesses and dampings that ask for shorter
+  /// sub-steps than the contact time does; creep under law 18 faster than 1 mm/s; restitution below 0.05.
+  /// Such values are never refused: they cost time or looks, and steps stay finite and report what they give
+  /// up (StepFlag). Throws std::invalid_argument if the speed is negative or not finite.
+  std::vector<std::string> advice(double speed);
+
   /// Creep speed m g / kt that law 18 implies for one particle of this material resting on one contact of its
   /// own kind (Bell 2005, eq. 18), m/s, for a grain of the given mass, kg, and particle radius, m.
   double creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const;
