@@ -129,6 +129,25 @@ TEST(Program, TellsItsExitStatusesInTheHelp) {
   EXPECT_NE(program.output().find("3 completed, but a check failed"), std::string::npos) << program.output();
 }
 
+TEST(Program, PrintsItsAdviceBeforeItRuns) {
+  const auto folder = scratchFolder("advice");
+  // So soft that whatever hits anything goes right through it.
+  std::ofstream(folder / "soft.json") << R"({
+    "name": "soft", "duration": 0.01, "materials": {"jelly": {"density": 1000, "youngsModulus": 1000}},
+    "shapes": {"ball": {"type": "sphere", "particleRadius": 0.01}},
+    "grains": {"drop": {"shape": "ball", "material": "jelly", "position": [0, 1, 0], "velocity": [0, -8, 0]}},
+    "bodies": {"ground": {"shape": {"type": "halfSpace"}, "material": "jelly", "contact": "exact"}}})";
+  const Program program(folder,
+                        {"run", (folder / "soft.json").string(), "--no-pictures", "--out", folder.string()});
+  EXPECT_EQ(program.wait(), 0) << program.errors();
+  const std::string output = program.output();
+  EXPECT_TRUE(
+      output.starts_with("advice: reckoned for impacts at 8 m/s (the largest speed at the start)\nadvice: "))
+      << output;
+  EXPECT_NE(output.find("advice: jelly on jelly: impacts at 8 m/s overlap by up to "), std::string::npos)
+      << output;
+}
+
 TEST(Program, RunsTheFramesAskedForAndReports) {
   const auto folder = scratchFolder("run");
   const Program program(folder,

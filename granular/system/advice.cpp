@@ -76,7 +76,8 @@ std::vector<Side> extremesOf(std::vector<Side> sides) {
   std::map<Group, std::vector<Side>> groups;
   for (const Side& s : sides) groups[{s.kind.material, s.kind.isBody, s.kind.inverseMass > 0.0}].push_back(s);
   std::vector<Side> chosen;
-  for (const auto& [group, members] : groups) {
+  for (const auto& group : groups) {
+    const std::vector<Side>& members = group.second;
     const auto take = [&](auto measure) {
       const auto [low, high] = std::minmax_element(
           members.begin(), members.end(),
