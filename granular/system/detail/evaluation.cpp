@@ -11,8 +11,8 @@ namespace {
 constexpr std::int32_t kOwnersPerPiece = 256;
 constexpr std::int32_t kPatchesPerPiece = 256;
 
-// Skin of the candidate list in smallest radii: more candidates to test against fewer rebuilds.
-constexpr double kSkin = 0.3;
+// Skin of the first candidate list in smallest radii; it adapts.
+constexpr double kFirstSkin = 0.3;
 // Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
 constexpr std::size_t kKindsInTable = 64;
 
@@ -48,7 +48,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
   memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
-  list_.reset(layout_.particleCount, layout_.largestRadius, kSkin * layout_.smallestRadius);
+  list_.reset(layout_.particleCount, layout_.largestRadius, kFirstSkin * layout_.smallestRadius);
   listIsCurrent_ = false;
   slotsAreSorted_ = false;
   lawsByKind_ = layout_.kinds.size() <= kKindsInTable;

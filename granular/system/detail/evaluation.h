@@ -143,6 +143,7 @@ class Evaluation {
   void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
 
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
+  void adaptSkin();
   void sortSlots();
   void rebuildCandidates();
   void makePairLaws();
@@ -180,6 +181,7 @@ class Evaluation {
   CandidateIncidence incidence_;
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
+  std::int64_t evaluationsAtRebuild_ = 0;
   bool slotsAreSorted_ = false;
   double largestMoveSquared_ = 0.0;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The stage that offers pairs: where exact surfaces are, when the candidate list is made anew, and in which
 // order particles lie in memory.
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -12,6 +13,11 @@ namespace {
 
 // List rebuilds between two sortings of the slots by cell: grains travel a few radii in that time.
 constexpr std::int64_t kRebuildsPerSort = 200;
+
+// Evaluations that a list should last: a rebuild costs as much as some ten of them.
+constexpr std::int64_t kShortLivedList = 25, kLongLivedList = 150;
+// Skin in smallest radii, and the factor by which it changes: each change makes the hash anew.
+constexpr double kNarrowestSkin = 0.1, kWidestSkin = 1.2, kSkinStep = 1.4;
 
 }  // namespace
 
@@ -37,8 +43,22 @@ void Evaluation::updateCandidates() {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::UpdateCandidates)]);
   const double halfSkin = 0.5 * list_.skin();
   if (listIsCurrent_ && largestMoveSquared_ <= halfSkin * halfSkin) return;
+  adaptSkin();
   if (!slotsAreSorted_ || ++rebuildsSinceSort_ > kRebuildsPerSort) sortSlots();
   rebuildCandidates();
+}
+
+/// A wider skin where fast things make the list anew all the time, a narrower one where it lasts: its cost is
+/// in the tests of candidates that never touch. Changes the speed only, never the result.
+void Evaluation::adaptSkin() {
+  const std::int64_t lasted = evaluations - evaluationsAtRebuild_;
+  evaluationsAtRebuild_ = evaluations;
+  if (!listIsCurrent_) return;  // something else than motion made it old
+  const double radius = layout_.smallestRadius;
+  double skin = list_.skin();
+  if (lasted < kShortLivedList) skin = std::min(kWidestSkin * radius, kSkinStep * skin);
+  if (lasted > kLongLivedList) skin = std::max(kNarrowestSkin * radius, skin / kSkinStep);
+  if (skin != list_.skin()) list_.reset(layout_.particleCount, layout_.largestRadius, skin);
 }
 
 void Evaluation::sortSlots() {
