@@ -132,6 +132,7 @@ bool printSummary(const FinishedRun& run, const std::filesystem::path& report) {
   if (r.totals.flags != granular::StepFlag::None)
     std::printf("%s\n", granular::describe(r.totals.flags).c_str());
   if (!r.filmProblem.empty()) std::printf("no film: %s\n", r.filmProblem.c_str());
+  for (const std::filesystem::path& path : r.outputs) std::printf("wrote %s\n", path.string().c_str());
   std::printf("report: %s\n", report.string().c_str());
   return passed;
 }
