@@ -4,6 +4,7 @@
 //   granular_demo run splash --scale small --out out/splash
 // Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <thread>
@@ -47,6 +48,16 @@ struct Arguments {
   bool noPictures = false;
 };
 
+/// CLI11's own check prints the largest double in full.
+CLI::Validator positive() {
+  const auto complaint = [](const std::string& text) -> std::string {
+    double value = 0.0;
+    const bool ok = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+    return ok ? "" : "value " + text + "; allowed: a finite number > 0";
+  };
+  return CLI::Validator(complaint, "> 0");
+}
+
 const std::vector<std::string> kQualities = {"preview", "normal", "best"};
 
 void addRunOptions(CLI::App& run, Arguments& a) {
@@ -62,7 +73,7 @@ void addRunOptions(CLI::App& run, Arguments& a) {
   run.add_option("--integrator", a.integrator, "Stepper, instead of the scene's")
       ->check(CLI::IsMember(stepperNames()));
   run.add_option("--tolerance", a.tolerance, "Error of a sub-step in particle radii, instead of the scene's")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   run.add_option("--seed", a.seed, "Seed of fills and coverings, instead of the scene's");
   run.add_option("--report", a.report, "Report file; default report.json in the output folder");
   run.add_option("--mesh", a.mesh, "Mesh in place of the body marked \"replaceableByMesh\"")
