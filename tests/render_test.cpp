@@ -482,7 +482,7 @@ void writeFrames(const fs::path& folder, int count) {
 }
 
 TEST_F(FilmFile, IsAnMp4WithItsIndexInFront) {
-  if (!ffmpegIsInstalled()) GTEST_SKIP() << "ffmpeg is not installed";
+  ASSERT_TRUE(ffmpegIsInstalled()) << "the set-up installs ffmpeg";
   const fs::path frames =
       folder_ / "it's 100%d; touch \"x\" $(here)";  // a shell or a pattern would trip over it
   fs::create_directory(frames);
@@ -504,7 +504,7 @@ TEST_F(FilmFile, WithoutFfmpegSaysWhatIsMissing) {
 }
 
 TEST_F(FilmFile, ThatFfmpegCannotMakePassesItsWordsOn) {
-  if (!ffmpegIsInstalled()) GTEST_SKIP() << "ffmpeg is not installed";
+  ASSERT_TRUE(ffmpegIsInstalled()) << "the set-up installs ffmpeg";
   std::ofstream(framePath(folder_, 0)) << "not a picture";
   const std::string message = messageOf<std::runtime_error>(
       [&] { writeFilm({.frameFolder = folder_, .file = folder_ / "film.mp4"}); });

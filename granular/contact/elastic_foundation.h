@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "granular/contact/law_constants.h"
 
@@ -53,7 +54,7 @@ struct ElasticFoundation {
             .kd = request.def.damping.value_or(request.damping / request.speed),
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr * request.bodyArea / request.contact.mass,
-            .fixedUrgency = urgencyOfContactTime(3.14159265358979 / frequency)};
+            .fixedUrgency = urgencyOfContactTime(std::numbers::pi / frequency)};
   }
 };
 

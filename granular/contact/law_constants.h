@@ -35,7 +35,6 @@ struct ShearConstants {
 struct NormalRequest {
   EffectiveContact contact;
   double damping = 0.0;  ///< dimensionless, as the law's own dampingForRestitution returned it
-  double restitution = 1.0;
   double speed = 1.0;       ///< at which the restitution shall hold, m/s
   double bodyLength = 0.0;  ///< depth of the elastic layer of bodies, m; laws by area only
   double bodyArea = 0.0;    ///< what the smaller body can touch with at once, m^2; laws by area only

@@ -126,7 +126,6 @@ PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide&
   NormalRequest request;
   request.contact = effectiveContact(a.contact, b.contact);
   request.damping = ofBodies ? pair.bodyDamping : pair.damping;
-  request.restitution = pair.restitution;
   request.speed = pair.def.restitutionSpeed;
   request.bodyLength = 0.5 * (other(a.bodyLength, b.bodyLength) + other(b.bodyLength, a.bodyLength));
   request.bodyArea = std::min(other(a.bodyArea, b.bodyArea), other(b.bodyArea, a.bodyArea));

@@ -121,7 +121,8 @@ class Meeting {
   Meeting(const Side& a, const Side& b, const std::vector<MaterialDef>& materials, const MaterialPair& pair,
           double speed, const IntegratorDef& integrator)
       : a_(a.kind), b_(b.kind), materials_(materials), pair_(pair), speed_(speed), integrator_(integrator) {
-    law_ = makePairLaw(pair, sideOf(a_), sideOf(b_));
+    law_ = makePairLaw(pair, detail::sideOf(a_, materials[a_.material]),
+                       detail::sideOf(b_, materials[b_.material]));
     mass_ = 1.0 / (a_.inverseMass + b_.inverseMass);
     radius_ = 1.0 / std::max(a_.inverseRadius, b_.inverseRadius);
     withNormalLaw(law_.normalLaw, [&]<class Law>(Law) {
@@ -161,13 +162,6 @@ class Meeting {
  private:
   using Topic = Advice::Topic;
 
-  PairSide sideOf(const detail::ParticleKind& kind) const {
-    const MaterialDef& m = materials_[kind.material];
-    return {.contact = {kind.inverseMass, kind.inverseRadius, m.youngsModulus, m.poissonRatio},
-            .isBody = kind.isBody,
-            .bodyLength = kind.bodyLength,
-            .bodyArea = kind.bodyArea};
-  }
   const std::string& nameOf(const detail::ParticleKind& kind) const { return materials_[kind.material].name; }
   std::string names() const { return nameOf(a_) + " on " + nameOf(b_) + ": "; }
   std::pair<std::int32_t, std::int32_t> key() const { return std::minmax(a_.material, b_.material); }

@@ -16,16 +16,9 @@ const Vector3 kAnyDirection = Vector3::UnitY();
 }  // namespace
 
 PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
-  const auto side = [&](const ParticleKind& kind) {
-    const MaterialDef& material = materials_[kind.material];
-    return PairSide{
-        .contact = {kind.inverseMass, kind.inverseRadius, material.youngsModulus, material.poissonRatio},
-        .isBody = kind.isBody,
-        .bodyLength = kind.bodyLength,
-        .bodyArea = kind.bodyArea};
-  };
   const ParticleKind &a = layout_.kinds[kindA], &b = layout_.kinds[kindB];
-  return makePairLaw(materialPairs_[a.material * materials_.size() + b.material], side(a), side(b));
+  return makePairLaw(materialPairs_[a.material * materials_.size() + b.material],
+                     sideOf(a, materials_[a.material]), sideOf(b, materials_[b.material]));
 }
 
 void Evaluation::makePairLaws() {
@@ -57,15 +50,13 @@ void Evaluation::makePairLaws() {
 void Evaluation::noteLaws() {
   hasMemory_ = false;
   oneKernel_ = true;
-  bool anyBody = false, anyGrain = false;
-  for (const ParticleKind& kind : layout_.kinds) (kind.isBody ? anyBody : anyGrain) = true;
   const MaterialPairDef& first = materialPairs_.empty() ? MaterialPairDef{} : materialPairs_.front().def;
   for (const MaterialPair& pair : materialPairs_) {
     const ShearLaw shear = pair.def.shear.law;
     hasMemory_ |= withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; });
     oneKernel_ &= shear == first.shear.law && pair.def.normal.law == first.normal.law;
     // Bodies meet under bodyNormal, at least one of them moving.
-    oneKernel_ &= !(anyBody && layout_.dynamicBodies > 0) || pair.def.bodyNormal.law == first.normal.law;
+    oneKernel_ &= layout_.dynamicBodies == 0 || pair.def.bodyNormal.law == first.normal.law;
   }
 }
 

@@ -55,6 +55,14 @@ struct ParticleKind {
   friend auto operator<=>(const ParticleKind&, const ParticleKind&) = default;
 };
 
+/// What the pair laws are told of it.
+inline PairSide sideOf(const ParticleKind& kind, const MaterialDef& material) {
+  return {.contact = {kind.inverseMass, kind.inverseRadius, material.youngsModulus, material.poissonRatio},
+          .isBody = kind.isBody,
+          .bodyLength = kind.bodyLength,
+          .bodyArea = kind.bodyArea};
+}
+
 struct Layout {
   static constexpr std::int32_t kParticlesPerPatch = 64;
 
