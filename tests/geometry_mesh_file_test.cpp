@@ -12,6 +12,7 @@
 #include <string>
 
 #include "granular/geometry/cover.h"
+#include "granular/geometry/mesh_distance.h"
 #include "granular/geometry/mesh_primitives.h"
 
 /// The leak sanitizer asks for this: assimp 5.2 forgets what it had read of some damaged files.
@@ -235,13 +236,54 @@ TEST_F(MeshFile, CutShortAnywhereIsRefusedOrStillAMesh) {
 }
 
 TEST_F(MeshFile, OfOurOwnIsASolid) {
-  for (const char* name : {"ball", "ring", "camel", "star", "wedge"}) {
-    const auto file = std::filesystem::path(GRANULAR_MESH_DIR) / (std::string(name) + ".obj");
+  int meshes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GRANULAR_MESH_DIR)) {
+    const std::filesystem::path& file = entry.path();
+    if (file.extension() != ".obj") continue;
+    ++meshes;
     const MeshReport report = checkMesh(readMeshFile(file));
-    EXPECT_TRUE(report.isSolid()) << name << ": " << report.text();
-    EXPECT_EQ(report.degenerateTriangles.count, 0) << name;
-    EXPECT_LT(std::filesystem::file_size(file), 300'000u) << name;
+    EXPECT_TRUE(report.isSolid()) << file << ": " << report.text();
+    EXPECT_EQ(report.degenerateTriangles.count, 0) << file;
+    EXPECT_LT(std::filesystem::file_size(file), 300'000u) << file;
   }
+  EXPECT_GE(meshes, 16);
+}
+
+TEST_F(MeshFile, OfTheRingTakesAboutAsManyParticlesAsThePapers) {
+  const TriangleMesh ring = readMeshFile(std::filesystem::path(GRANULAR_MESH_DIR) / "ring.obj");
+  const auto count = static_cast<double>(coverMesh(ring, {.particleRadius = 0.115}).positions.size());
+  EXPECT_NEAR(count, 110,
+              10);  // Bell 2005, sec. 4
+}
+
+// Nowhere may two parts of the house be nearer than half a joint: bodies start apart.
+TEST_F(MeshFile, OfTheHouseFitTogetherWithoutTouching) {
+  std::vector<TriangleMesh> parts;
+  for (const char* name : {"front", "back", "gable", "roof", "chimney"}) {
+    parts.push_back(
+        readMeshFile(std::filesystem::path(GRANULAR_MESH_DIR) / (std::string("house_") + name + ".obj")));
+  }
+  for (int turned : {2, 3}) {
+    parts.push_back(seenFrom({Vector3::Zero(), Quaternion(0.0, 0.0, 0.0, 1.0)}, parts[turned]));
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const MeshDistance distance(parts[i]);
+    for (std::size_t j = 0; j < parts.size(); ++j) {
+      if (i == j) continue;
+      for (const Vector3& v : parts[j].vertices) {
+        EXPECT_GT(distance.nearest(v).signedDistance, 0.0024)
+            << "part " << i << " and " << j << " at " << v.transpose();
+      }
+    }
+  }
+}
+
+TEST_F(MeshFile, OfTheHourglassHoldsItsCavityInside) {
+  const MeshDistance distance(readMeshFile(std::filesystem::path(GRANULAR_MESH_DIR) / "hourglass.obj"));
+  EXPECT_NEAR(distance.nearest({0.0, 0.0, 0.0}).signedDistance, 0.045,
+              0.045 * 0.005);                                         // 36 sides: cos(5 degrees)
+  EXPECT_LT(distance.nearest({0.21, 0.0, 0.3}).signedDistance, 0.0);  // in the glass
+  EXPECT_GT(distance.nearest({0.0, 0.0, 0.3}).signedDistance, 0.1);   // in the cavity
 }
 
 TEST_F(MeshFile, OfACamelCanBeCovered) {
