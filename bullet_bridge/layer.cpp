@@ -11,8 +11,8 @@
 
 #include "bullet_bridge/convert.h"
 #include "bullet_bridge/pose_algebra.h"
+#include "bullet_bridge/shape_covering.h"
 #include "granular/base/require.h"
-#include "granular/geometry/cover.h"
 #include "granular/system/fill.h"
 
 namespace bullet_bridge {
@@ -42,10 +42,25 @@ granular::BodyMotion motionOf(const btRigidBody& body, bool isPlane) {
   return isPlane ? granular::BodyMotion::Static : granular::BodyMotion::Dynamic;
 }
 
-double leastExtent(const std::vector<granular::TriangleMesh>& parts) {
+/// Of the solids among the parts: ground and sheets have no thickness that particles must fit into.
+double leastExtent(const std::vector<ShapePart>& parts) {
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& part : parts) least = std::min(least, granular::boundingBox(part).size().minCoeff());
+  for (const ShapePart& part : parts) {
+    if (part.kind == PartKind::Solid)
+      least = std::min(least, granular::boundingBox(part.mesh).size().minCoeff());
+  }
   return least;
+}
+
+/// Ground and sheets enclose no mass.
+void requireSolidIfDynamic(const btRigidBody& body, const std::vector<ShapePart>& parts) {
+  if (body.isStaticOrKinematicObject()) return;
+  for (const ShapePart& part : parts) {
+    if (part.kind == PartKind::Solid) continue;
+    throw std::invalid_argument(std::string("coverBody: the surface of the body's shape ") +
+                                body.getCollisionShape()->getName() +
+                                " is open; the body must be static or kinematic");
+  }
 }
 
 double boundingRadiusOf(const granular::Covering& covering) {
@@ -167,19 +182,20 @@ void Layer::checkCoverable(const btRigidBody& body) const {
   }
 }
 
-double Layer::defaultParticleRadius(const std::vector<granular::TriangleMesh>& parts) const {
+double Layer::defaultParticleRadius(const std::vector<ShapePart>& parts) const {
   const double fromGrains = smallestGrainParticle(system_);
   if (std::isfinite(fromGrains)) return fromGrains;
   double area = 0.0;
-  for (const auto& part : parts) area += granular::surfaceArea(part);
+  for (const ShapePart& part : parts) area += granular::surfaceArea(part.mesh);
   return std::min(std::sqrt(area / (kDefaultDiscs * std::numbers::pi)), 0.25 * leastExtent(parts));
 }
 
 granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyDef& def) const {
   if (def.covering) return *def.covering;
   granular::requireNotNegative(def.particleRadius, "CoverBodyDef.particleRadius", "m");
-  const std::vector<granular::TriangleMesh> parts =
-      def.surface ? std::vector{*def.surface} : shapeParts(*body.getCollisionShape(), def.shapeSurface);
+  const std::vector<ShapePart> parts = def.surface ? std::vector{partOf(*def.surface)}
+                                                   : shapeParts(*body.getCollisionShape(), def.shapeSurface);
+  requireSolidIfDynamic(body, parts);
   granular::CoverDef cover;
   cover.offset = def.offset;
   cover.density = def.density;
@@ -188,10 +204,7 @@ granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyD
   const double grain = smallestGrainParticle(system_);
   if (std::isfinite(grain)) cover.smallestGrainRadius = grain;
   cover.threads = system_.threads();
-  granular::Covering covering;
-  for (const granular::TriangleMesh& part : parts)
-    granular::append(covering, granular::coverMesh(part, cover));
-  return covering;
+  return coverParts(parts, cover);
 }
 
 granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {

@@ -148,7 +148,7 @@ class Layer {
 
   void checkCoverable(const btRigidBody& body) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
-  double defaultParticleRadius(const std::vector<granular::TriangleMesh>& parts) const;
+  double defaultParticleRadius(const std::vector<ShapePart>& parts) const;
   granular::MaterialId bodyMaterial(const btRigidBody& body);
   granular::MaterialId pileMaterial();
   BodyMake makeOf(const CoveredBody& covered);

@@ -8,13 +8,17 @@
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btMultiSphereShape.h>
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
@@ -22,6 +26,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "bullet_bridge/concave_surface.h"
 #include "bullet_bridge/convert.h"
 #include "granular/base/require.h"
 #include "granular/geometry/mesh_primitives.h"
@@ -42,10 +47,11 @@ TriangleMesh alongAxis(TriangleMesh mesh, int axis) {
   return mesh;
 }
 
-TriangleMesh placed(TriangleMesh mesh, const btTransform& transform) {
+ShapePart placed(ShapePart part, const btTransform& transform) {
   const granular::Pose pose = fromBullet(transform);
-  for (Vector3& v : mesh.vertices) v = pose.toWorld(v);
-  return mesh;
+  for (Vector3& v : part.mesh.vertices) v = pose.toWorld(v);
+  part.up = pose.orientation * part.up;
+  return part;
 }
 
 /// Icosphere with about as many sides round the equator as asked: 5 x 2^n edges make a great circle.
@@ -118,7 +124,7 @@ TriangleMesh polyhedronSurface(const btPolyhedralConvexShape& shape) {
 }
 
 TriangleMesh multiSphereSurface(const btMultiSphereShape& shape, int segments) {
-  const TriangleMesh directions = ball(1.0, segments / 2);
+  const TriangleMesh directions = ball(1.0, segments);
   const Vector3 scaling = fromBullet(shape.getLocalScaling());
   std::vector<Vector3> points;
   for (int i = 0; i < shape.getSphereCount(); ++i) {
@@ -130,43 +136,28 @@ TriangleMesh multiSphereSurface(const btMultiSphereShape& shape, int segments) {
   return hullOf(points, shape.getName());
 }
 
-TriangleMesh planeSurface(const btStaticPlaneShape& plane, const PlanePatch& patch) {
-  granular::require(std::isfinite(patch.size) && patch.size > 0.0, "PlanePatch.size", patch.size, "m",
-                    "finite and > 0, as the collision shape is an endless plane");
-  granular::requireFinite(patch.center, "PlanePatch.center", "m");
-  granular::requireNotNegative(patch.thickness, "PlanePatch.thickness", "m");
-  const Vector3 normal = fromBullet(plane.getPlaneNormal()).normalized();
-  const double thickness = patch.thickness > 0.0 ? patch.thickness : patch.size / 50.0;
-  const Vector3 onPlane =
-      patch.center + (double(plane.getPlaneConstant()) - normal.dot(patch.center)) * normal;
-  const granular::Pose pose{.position = onPlane - 0.5 * thickness * normal,
-                            .orientation = granular::Quaternion::FromTwoVectors(Vector3::UnitZ(), normal)};
-  TriangleMesh mesh = granular::makeBox({patch.size, patch.size, thickness});
-  for (Vector3& v : mesh.vertices) v = pose.toWorld(v);
-  return mesh;
+TriangleMesh convexMeshSurface(const btConvexTriangleMeshShape& shape) {
+  class Corners : public btInternalTriangleIndexCallback {
+   public:
+    void internalProcessTriangleIndex(btVector3* triangle, int, int) override {
+      for (int corner = 0; corner < 3; ++corner) points.push_back(fromBullet(triangle[corner]));
+    }
+    std::vector<Vector3> points;
+  } corners;
+  const btScalar all = BT_LARGE_FLOAT;
+  shape.getMeshInterface()->InternalProcessAllTriangles(&corners, btVector3(-all, -all, -all),
+                                                        btVector3(all, all, all));
+  return hullOf(corners.points, shape.getName());
 }
 
-class TriangleCollector : public btTriangleCallback {
- public:
-  void processTriangle(btVector3* triangle, int, int) override {
-    const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-    for (int corner = 0; corner < 3; ++corner) mesh.vertices.push_back(fromBullet(triangle[corner]));
-    mesh.triangles.push_back({first, first + 1, first + 2});
+/// Any other convex shape: the hull of its farthest points in many directions, inscribed. With its margin, as
+/// nobody can say here whether it is part of the geometry.
+TriangleMesh supportSurface(const btConvexShape& shape, int segments) {
+  std::vector<Vector3> points;
+  for (const Vector3& direction : ball(1.0, 2 * segments).vertices) {
+    points.push_back(fromBullet(shape.localGetSupportingVertex(toBullet(direction))));
   }
-  TriangleMesh mesh;
-};
-
-TriangleMesh concaveSurface(const btConcaveShape& shape) {
-  btVector3 lower;
-  btVector3 upper;
-  shape.getAabb(btTransform::getIdentity(), lower, upper);
-  TriangleCollector collector;
-  shape.processAllTriangles(&collector, lower, upper);
-  if (collector.mesh.triangles.empty()) {
-    throw std::invalid_argument(std::string("collision shape ") + shape.getName() + " has no triangles");
-  }
-  granular::weldVertices(collector.mesh);
-  return collector.mesh;
+  return hullOf(points, shape.getName());
 }
 
 [[noreturn]] void refuse(const btCollisionShape& shape) {
@@ -174,10 +165,12 @@ TriangleMesh concaveSurface(const btConcaveShape& shape) {
                               " has no known surface; give CoverBodyDef.surface or CoverBodyDef.covering");
 }
 
-void addParts(std::vector<TriangleMesh>& parts, const btCollisionShape& shape, const SurfaceDef& def,
+void addParts(std::vector<ShapePart>& parts, const btCollisionShape& shape, const SurfaceDef& def,
               const btTransform& transform);
 
-void addChildren(std::vector<TriangleMesh>& parts, const btCompoundShape& compound, const SurfaceDef& def,
+/// Compounds of either family. A GImpact compound scales its children's places, but not the children.
+template <class Compound>
+void addChildren(std::vector<ShapePart>& parts, const Compound& compound, const SurfaceDef& def,
                  const btTransform& transform) {
   for (int i = 0; i < compound.getNumChildShapes(); ++i) {
     addParts(parts, *compound.getChildShape(i), def, transform * compound.getChildTransform(i));
@@ -185,18 +178,18 @@ void addChildren(std::vector<TriangleMesh>& parts, const btCompoundShape& compou
 }
 
 /// A uniformly scaled shape about its own origin.
-void addScaled(std::vector<TriangleMesh>& parts, const btUniformScalingShape& scaled, const SurfaceDef& def,
+void addScaled(std::vector<ShapePart>& parts, const btUniformScalingShape& scaled, const SurfaceDef& def,
                const btTransform& transform) {
-  std::vector<TriangleMesh> children;
+  std::vector<ShapePart> children;
   addParts(children, *scaled.getChildShape(), def, btTransform::getIdentity());
-  for (TriangleMesh& mesh : children) {
-    for (Vector3& v : mesh.vertices) v *= double(scaled.getUniformScalingFactor());
-    parts.push_back(placed(std::move(mesh), transform));
+  for (ShapePart& part : children) {
+    for (Vector3& v : part.mesh.vertices) v *= double(scaled.getUniformScalingFactor());
+    parts.push_back(placed(std::move(part), transform));
   }
 }
 
-/// A shape that is one part, or an empty mesh for those that are none.
-TriangleMesh simpleSurface(const btCollisionShape& shape, const SurfaceDef& def) {
+/// Shapes that are one solid.
+TriangleMesh convexSurface(const btCollisionShape& shape, const SurfaceDef& def) {
   switch (shape.getShapeType()) {
     case BOX_SHAPE_PROXYTYPE:
       return boxSurface(static_cast<const btBoxShape&>(shape));
@@ -214,36 +207,54 @@ TriangleMesh simpleSurface(const btCollisionShape& shape, const SurfaceDef& def)
     case CONVEX_POINT_CLOUD_SHAPE_PROXYTYPE:
     case TETRAHEDRAL_SHAPE_PROXYTYPE:
       return polyhedronSurface(static_cast<const btPolyhedralConvexShape&>(shape));
-    case STATIC_PLANE_PROXYTYPE:
-      return planeSurface(static_cast<const btStaticPlaneShape&>(shape), def.plane);
-    case TRIANGLE_MESH_SHAPE_PROXYTYPE:
-    case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
-    case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
-    case TERRAIN_SHAPE_PROXYTYPE:
-    case GIMPACT_SHAPE_PROXYTYPE:
-      return concaveSurface(static_cast<const btConcaveShape&>(shape));
+    case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE:
+      return convexMeshSurface(static_cast<const btConvexTriangleMeshShape&>(shape));
     default:
-      refuse(shape);
+      if (!shape.isConvex()) refuse(shape);
+      return supportSurface(static_cast<const btConvexShape&>(shape), def.segments);
   }
 }
 
-void addParts(std::vector<TriangleMesh>& parts, const btCollisionShape& shape, const SurfaceDef& def,
+void addParts(std::vector<ShapePart>& parts, const btCollisionShape& shape, const SurfaceDef& def,
               const btTransform& transform) {
   switch (shape.getShapeType()) {
     case COMPOUND_SHAPE_PROXYTYPE:
       return addChildren(parts, static_cast<const btCompoundShape&>(shape), def, transform);
     case UNIFORM_SCALING_SHAPE_PROXYTYPE:
       return addScaled(parts, static_cast<const btUniformScalingShape&>(shape), def, transform);
+    case STATIC_PLANE_PROXYTYPE:
+      return parts.push_back(
+          placed(detail::planePart(static_cast<const btStaticPlaneShape&>(shape), def.plane), transform));
+    case TERRAIN_SHAPE_PROXYTYPE:
+      return parts.push_back(
+          placed(detail::heightfieldPart(static_cast<const btHeightfieldTerrainShape&>(shape)), transform));
+    case GIMPACT_SHAPE_PROXYTYPE:
+      if (static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() ==
+          CONST_GIMPACT_COMPOUND_SHAPE) {
+        return addChildren(parts, static_cast<const btGImpactCompoundShape&>(shape), def, transform);
+      }
+      [[fallthrough]];
+    case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+    case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+    case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+      return parts.push_back(
+          placed(detail::triangleMeshPart(static_cast<const btConcaveShape&>(shape)), transform));
     default:
-      parts.push_back(placed(simpleSurface(shape, def), transform));
+      parts.push_back(placed({.mesh = convexSurface(shape, def)}, transform));
   }
 }
 
 }  // namespace
 
-std::vector<TriangleMesh> shapeParts(const btCollisionShape& shape, const SurfaceDef& def) {
+ShapePart partOf(TriangleMesh mesh) {
+  const granular::MeshReport report = granular::checkMesh(mesh);
+  if (report.isInsideOut()) granular::turnInsideOut(mesh);
+  return {.mesh = std::move(mesh), .kind = report.isClosed() ? PartKind::Solid : PartKind::Sheet};
+}
+
+std::vector<ShapePart> shapeParts(const btCollisionShape& shape, const SurfaceDef& def) {
   granular::require(def.segments >= 8, "SurfaceDef.segments", def.segments, "", ">= 8");
-  std::vector<TriangleMesh> parts;
+  std::vector<ShapePart> parts;
   addParts(parts, shape, def, btTransform::getIdentity());
   if (parts.empty())
     throw std::invalid_argument("collision shape " + std::string(shape.getName()) + " has no children");
@@ -252,7 +263,7 @@ std::vector<TriangleMesh> shapeParts(const btCollisionShape& shape, const Surfac
 
 TriangleMesh shapeSurface(const btCollisionShape& shape, const SurfaceDef& def) {
   TriangleMesh surface;
-  for (const TriangleMesh& part : shapeParts(shape, def)) granular::append(surface, part);
+  for (const ShapePart& part : shapeParts(shape, def)) granular::append(surface, part.mesh);
   return surface;
 }
 

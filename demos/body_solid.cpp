@@ -99,8 +99,9 @@ void addParts(const BodyShapeDef& def, const Pose& pose, int segments, std::vect
     }
   } else {
     const std::unique_ptr<btCollisionShape> shape = std::visit(SimpleShape{}, def);
-    for (TriangleMesh& part : bullet_bridge::shapeParts(*shape, {.segments = segments, .plane = {}})) {
-      parts.push_back(placed(std::move(part), pose));
+    for (bullet_bridge::ShapePart& part :
+         bullet_bridge::shapeParts(*shape, {.segments = segments, .plane = {}})) {
+      parts.push_back(placed(std::move(part.mesh), pose));
     }
   }
 }

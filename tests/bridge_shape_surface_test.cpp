@@ -2,10 +2,16 @@
 // Meshes of Bullet's shapes: closed, and of the shape's volume. Round shapes are inscribed polyhedra of 64
 // sides: a 64-sided prism has sin(2 pi/64)/(2 pi/64) = 0.9984 of the cylinder; doubly curved ones lose about
 // twice that.
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btMinkowskiSumShape.h>
+#include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -15,6 +21,7 @@
 namespace bridge_test {
 namespace {
 
+using bullet_bridge::PartKind;
 using bullet_bridge::shapeParts;
 using bullet_bridge::shapeSurface;
 constexpr double kPi = std::numbers::pi;
@@ -119,8 +126,9 @@ TEST(ShapeSurface, OfACompoundIsThatOfItsNestedChildrenInPlace) {
   expectSolid(outer, 1.0 + 4.0 / 3.0 * kPi * 0.125, 0.005);
   const auto parts = shapeParts(outer);
   ASSERT_EQ(parts.size(), 2u);
-  EXPECT_LT((granular::boundingBox(parts[0]).center() - Vector3(0, 2, 0)).norm(), 1e-6) << "x turned into y";
-  EXPECT_LT((granular::boundingBox(parts[1]).center() - Vector3(0, -3, 0)).norm(), 1e-6);
+  EXPECT_LT((granular::boundingBox(parts[0].mesh).center() - Vector3(0, 2, 0)).norm(), 1e-6)
+      << "x turned into y";
+  EXPECT_LT((granular::boundingBox(parts[1].mesh).center() - Vector3(0, -3, 0)).norm(), 1e-6);
 }
 
 TEST(ShapeSurface, OfAUniformlyScaledShapeIsScaled) {
@@ -140,22 +148,173 @@ TEST(ShapeSurface, OfATriangleMeshIsTheMeshWelded) {
   EXPECT_EQ(shapeSurface(shape).vertices.size(), 4u);
 }
 
-TEST(ShapeSurface, OfAHeightfieldIsOpenAndHasItsArea) {
-  const std::vector<float> heights(9, 0.0f);
-  const btHeightfieldTerrainShape field(3, 3, heights.data(), scalar(-1), scalar(1), 1, false);
-  const granular::MeshReport report = granular::checkMesh(shapeSurface(field));
-  EXPECT_TRUE(report.isReadable()) << report.text();
-  EXPECT_FALSE(report.isClosed());
-  EXPECT_NEAR(report.area, 4.0, 1e-6);
+TEST(ShapeSurface, OfAMeshMirroredByItsScalingLooksOutwards) {
+  btTriangleMesh triangles;
+  const btVector3 p[4] = {vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1)};
+  for (const auto& t : {std::array{0, 2, 1}, std::array{0, 1, 3}, std::array{0, 3, 2}, std::array{1, 2, 3}}) {
+    triangles.addTriangle(p[t[0]], p[t[1]], p[t[2]]);
+  }
+  btBvhTriangleMeshShape shape(&triangles, true);
+  const btScaledBvhTriangleMeshShape scaled(&shape, vec(-2, 1, 3));
+  expectSolid(scaled, 1.0, 0.0);
+  EXPECT_NEAR(extentOf(scaled).lower.x(), -2.0, 1e-6);
 }
 
-TEST(ShapeSurface, OfAPlaneIsASlabBelowIt) {
+TEST(ShapeSurface, OfAGImpactMeshIsTheMeshWithItsScalingAndWithoutItsMargin) {
+  btTriangleMesh triangles;
+  const btVector3 p[4] = {vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1)};
+  for (const auto& t : {std::array{0, 2, 1}, std::array{0, 1, 3}, std::array{0, 3, 2}, std::array{1, 2, 3}}) {
+    triangles.addTriangle(p[t[0]], p[t[1]], p[t[2]]);
+  }
+  btGImpactMeshShape shape(&triangles);
+  EXPECT_THROW(shapeSurface(shape), std::invalid_argument) << "updateBound has not been called";
+  shape.setLocalScaling(vec(2, 1, 3));
+  shape.setMargin(scalar(0.1));
+  shape.updateBound();
+  expectSolid(shape, 1.0, 0.0);
+}
+
+TEST(ShapeSurface, OfAGImpactCompoundIsThatOfItsChildrenInPlace) {
+  btBoxShape cube(vec(0.5, 0.5, 0.5));
+  btGImpactCompoundShape compound;
+  compound.addChildShape(at(2, 0, 0), &cube);
+  compound.addChildShape(at(-2, 0, 0), &cube);
+  expectSolid(compound, 2.0, 0.0);
+}
+
+TEST(ShapeSurface, OfAConvexTriangleMeshIsItsHullScaled) {
+  btTriangleMesh triangles;
+  triangles.addTriangle(vec(0, 0, 0), vec(0, 1, 0), vec(1, 0, 0));
+  triangles.addTriangle(vec(0, 0, 0), vec(1, 0, 0), vec(0, 0, 1));
+  btConvexTriangleMeshShape shape(&triangles);
+  shape.setLocalScaling(vec(2, 3, 4));
+  expectSolid(shape, 4.0, 0.0);
+}
+
+/// Bullet's Minkowski sum of a box of half extents 1 and a ball of radius 0.5 is the box without its margin,
+/// edge s = 1.92, with the sum of the margins round it, r = 0.54. Steiner: s^3 + 6 s^2 r + 3 pi s r^2 + 4/3
+/// pi r^3.
+TEST(ShapeSurface, OfAnyOtherConvexShapeIsInscribedBySupportPoints) {
+  btBoxShape box(vec(1, 1, 1));
+  btSphereShape sphere(scalar(0.5));
+  const btMinkowskiSumShape sum(&box, &sphere);
+  const double s = 1.92;
+  const double r = 0.54;
+  expectSolid(sum, s * s * s + 6.0 * s * s * r + 3.0 * kPi * s * r * r + 4.0 / 3.0 * kPi * r * r * r, 0.005);
+}
+
+/// Four ways to hold heights; the legacy constructor takes PHY_FLOAT to mean btScalar.
+struct HeightData {
+  std::vector<float> floats;
+  std::vector<double> doubles;
+  std::vector<short> shorts;
+  std::vector<unsigned char> bytes;
+  std::vector<btScalar> scalars;
+};
+
+enum class HeightType { Float, Double, Short, Byte, Legacy };
+
+struct FieldCase {
+  HeightType type;
+  int upAxis;
+  bool flipEdges;
+  bool flipWinding;
+};
+
+class HeightfieldSurface : public testing::TestWithParam<FieldCase> {
+ protected:
+  static constexpr int kSticks = 5;
+
+  /// Heights of the plane 1 + x/4 + y/2 over sticks x, y = 0 ... 4: all exact in steps of 1/4.
+  std::unique_ptr<btHeightfieldTerrainShape> field() {
+    for (int y = 0; y < kSticks; ++y) {
+      for (int x = 0; x < kSticks; ++x) {
+        const int quarters = 4 + x + 2 * y;
+        data_.floats.push_back(0.25f * static_cast<float>(quarters));
+        data_.doubles.push_back(0.25 * quarters);
+        data_.scalars.push_back(scalar(0.25 * quarters));
+        data_.shorts.push_back(static_cast<short>(quarters));
+        data_.bytes.push_back(static_cast<unsigned char>(quarters));
+      }
+    }
+    const FieldCase& c = GetParam();
+    auto result = make(c);
+    result->setFlipTriangleWinding(c.flipWinding);
+    return result;
+  }
+
+ private:
+  std::unique_ptr<btHeightfieldTerrainShape> make(const FieldCase& c) const {
+    const btScalar low = 0;
+    const btScalar high = 4;
+    const btScalar step = scalar(0.25);
+    using Field = btHeightfieldTerrainShape;
+    switch (c.type) {
+      case HeightType::Float:
+        return std::make_unique<Field>(kSticks, kSticks, data_.floats.data(), low, high, c.upAxis,
+                                       c.flipEdges);
+      case HeightType::Double:
+        return std::make_unique<Field>(kSticks, kSticks, data_.doubles.data(), low, high, c.upAxis,
+                                       c.flipEdges);
+      case HeightType::Short:
+        return std::make_unique<Field>(kSticks, kSticks, data_.shorts.data(), step, low, high, c.upAxis,
+                                       c.flipEdges);
+      case HeightType::Byte:
+        return std::make_unique<Field>(kSticks, kSticks, data_.bytes.data(), step, low, high, c.upAxis,
+                                       c.flipEdges);
+      case HeightType::Legacy:
+        break;
+    }
+    return std::make_unique<Field>(kSticks, kSticks, static_cast<const void*>(data_.scalars.data()), step,
+                                   low, high, c.upAxis, PHY_FLOAT, c.flipEdges);
+  }
+
+  HeightData data_;
+};
+
+/// Bullet puts the field's middle at the origin: sticks at -2 ... 2, heights less 2 (half of 0 ... 4).
+TEST_P(HeightfieldSurface, LiesInThePlaneOfItsHeightsAndLooksUp) {
+  const auto shape = field();
+  const auto parts = shapeParts(*shape);
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].kind, PartKind::Ground);
+  const int up = GetParam().upAxis;
+  const int first = up == 0 ? 1 : 0;  // the axis of x, then that of y
+  const int second = up == 2 ? 1 : 2;
+  EXPECT_EQ(parts[0].mesh.vertices.size(), 25u);
+  EXPECT_EQ(parts[0].mesh.triangles.size(), 32u);
+  for (const Vector3& v : parts[0].mesh.vertices) {
+    EXPECT_NEAR(v[up], 1.0 + (v[first] + 2.0) / 4.0 + (v[second] + 2.0) / 2.0 - 2.0, 1e-5);
+  }
+  for (const auto& triangle : parts[0].mesh.triangles) {
+    EXPECT_GT(granular::doubleAreaVector(parts[0].mesh, triangle)[up], 0.0);
+  }
+  EXPECT_EQ(granular::checkMesh(parts[0].mesh).flippedEdges.count, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllTypesAxesAndFlips, HeightfieldSurface,
+                         testing::Values(FieldCase{HeightType::Float, 0, false, false},
+                                         FieldCase{HeightType::Float, 1, true, false},
+                                         FieldCase{HeightType::Float, 2, false, true},
+                                         FieldCase{HeightType::Double, 1, false, false},
+                                         FieldCase{HeightType::Double, 2, true, true},
+                                         FieldCase{HeightType::Short, 1, true, true},
+                                         FieldCase{HeightType::Short, 0, false, false},
+                                         FieldCase{HeightType::Byte, 2, false, false},
+                                         FieldCase{HeightType::Byte, 1, false, true},
+                                         FieldCase{HeightType::Legacy, 1, false, false}));
+
+TEST(ShapeSurface, OfAPlaneIsAPatchInIt) {
   const btStaticPlaneShape plane(vec(0, 1, 0), scalar(0.5));
-  const auto slab = shapeSurface(plane, {.plane = {.center = {3, 7, 4}, .size = 2.0, .thickness = 0.1}});
-  EXPECT_TRUE(granular::checkMesh(slab).isSolid());
-  const granular::Box extent = granular::boundingBox(slab);
-  EXPECT_TRUE(extent.lower.isApprox(Vector3(2, 0.4, 3), 1e-6)) << extent.lower.transpose();
-  EXPECT_TRUE(extent.upper.isApprox(Vector3(4, 0.5, 5), 1e-6)) << extent.upper.transpose();
+  const auto parts = shapeParts(plane, {.plane = {.center = {3, 7, 4}, .size = 2.0}});
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].kind, PartKind::Ground);
+  EXPECT_TRUE(parts[0].up.isApprox(Vector3::UnitY(), kBulletRounding));
+  EXPECT_NEAR(granular::surfaceArea(parts[0].mesh), 4.0, 1e-6);
+  for (const Vector3& v : parts[0].mesh.vertices) {
+    EXPECT_NEAR(v.y(), 0.5, 1e-6);
+    EXPECT_NEAR((v - Vector3(3, 0.5, 4)).norm(), std::sqrt(2.0), 1e-6);
+  }
 }
 
 TEST(ShapeSurface, OfAPlaneNeedsAPatch) {

@@ -144,8 +144,7 @@ TEST(CoverBody, CoversAPatchOfAPlaneLevelWithIt) {
   btRigidBody& ground =
       scene.body(0, scene.shape<btStaticPlaneShape>(vec(0, 1, 0), scalar(0.5)), at(0, 0, 0));
   const granular::BodyId id = scene.world->coverBody(
-      ground, {.particleRadius = 0.05,
-               .shapeSurface = {.plane = {.center = {1, 0, 0}, .size = 1.0, .thickness = 0.2}}});
+      ground, {.particleRadius = 0.05, .shapeSurface = {.plane = {.center = {1, 0, 0}, .size = 1.0}}});
   const granular::Covering& covering = scene.world->grains().covering(id);
   double top = 0.0;
   for (const Vector3& p : covering.positions) top = std::max(top, p.y() + 0.05);
