@@ -7,7 +7,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # What granular_demo is built and run with; tests/run adds the test harness.
 demo_packages=(g++ cmake ninja-build pkg-config libeigen3-dev libtbb-dev libassimp-dev libbullet-dev libcli11-dev
                nlohmann-json3-dev libembree-dev libpng-dev libcairo2-dev ffmpeg)
-test_packages=(libgtest-dev)
+test_packages=(libgtest-dev lammps)
 
 # install_packages NAME...: those of the named Debian packages that are missing.
 install_packages() {

@@ -3,7 +3,20 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/candidate_list_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/grain_shape_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/granular_system_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/io_lammps_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/rkf45_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp)
+
+# LAMMPS judges the input that we write for it, where it is installed.
+find_program(GRANULAR_LAMMPS NAMES lmp lmp_serial DOC "LAMMPS, for tests and granular_bench peers")
+if(GRANULAR_LAMMPS)
+  list(APPEND GRANULAR_CORE_TEST_SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/io_lammps_program_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/lammps_program.cpp)
+  set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/io_lammps_program_test.cpp PROPERTIES
+    COMPILE_DEFINITIONS GRANULAR_LAMMPS="${GRANULAR_LAMMPS}")
+else()
+  message(STATUS "LAMMPS (Debian package lammps) not found: tests in which it runs our exports are left out")
+endif()

@@ -89,6 +89,13 @@ void GranularSystem::setMaterialPair(MaterialId a, MaterialId b, const MaterialP
   impl_->layoutIsOld = true;
 }
 
+MaterialPairDef GranularSystem::materialPair(MaterialId a, MaterialId b) const {
+  impl_->checkMaterialId(a, "MaterialId");
+  impl_->checkMaterialId(b, "MaterialId");
+  const auto found = impl_->pairDefs.find(std::minmax(a.index, b.index));
+  return found == impl_->pairDefs.end() ? MaterialPairDef{} : found->second;
+}
+
 GrainShapeId GranularSystem::addGrainShape(const GrainShapeDef& def) {
   impl_->shapes.push_back(makeGrainShape(def));
   impl_->layoutIsOld = true;  // the layout points into the shapes
@@ -319,6 +326,44 @@ BodyMotion GranularSystem::bodyMotionType(BodyId id) const {
   return impl_->body(id).motionType;
 }
 
+std::vector<BodyId> GranularSystem::bodies() const {
+  std::vector<BodyId> ids;
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(impl_->bodies.size()); ++b) {
+    if (impl_->bodies[b].alive) ids.push_back({b, impl_->bodies[b].generation});
+  }
+  return ids;
+}
+
+BodyDef GranularSystem::bodyDef(BodyId id) const {
+  const BodyRecord& record = impl_->body(id);
+  return {.motion = record.motionType,
+          .covering = record.covering,
+          .exact = record.exact,
+          .material = record.material,
+          .mass = record.mass,
+          .principalInertia = record.inertia,
+          .pose = record.motion.pose,
+          .velocity = record.motion.velocity,
+          .angularVelocity = record.motion.angularVelocity,
+          .linearFactor = record.linearFactor,
+          .angularFactor = record.angularFactor,
+          .filter = record.filter};
+}
+
+Wrench GranularSystem::bodyLoad(BodyId id) const {
+  return impl_->body(id).load;
+}
+Vector3 GranularSystem::bodyGravity(BodyId id) const {
+  return impl_->body(id).gravity.value_or(impl_->gravity);
+}
+bool GranularSystem::bodyPairContact(BodyId a, BodyId b) const {
+  impl_->body(a);
+  impl_->body(b);
+  const std::vector<std::uint64_t>& excluded = impl_->excludedPairs;
+  return std::find(excluded.begin(), excluded.end(), MeetingRules::pairKey(a.index, b.index)) ==
+         excluded.end();
+}
+
 std::int32_t GranularSystem::grainCount() const {
   return impl_->aliveGrains;
 }
@@ -381,6 +426,9 @@ double GranularSystem::scaleOf(GrainId id) const {
 double GranularSystem::massOf(GrainId id) const {
   return impl_->grain(id).mass;
 }
+const ContactFilter& GranularSystem::filterOf(GrainId id) const {
+  return impl_->grain(id).filter;
+}
 const MaterialDef& GranularSystem::material(MaterialId id) const {
   impl_->checkMaterialId(id, "MaterialId");
   return impl_->materials[id.index];
@@ -440,11 +488,8 @@ StepReport GranularSystem::measure() {
 
 double GranularSystem::creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const {
   const Impl& s = *impl_;
-  s.checkMaterialId(a, "MaterialId");
-  s.checkMaterialId(b, "MaterialId");
-  const auto found = s.pairDefs.find(std::minmax(a.index, b.index));
-  const MaterialPair pair = combineMaterials(s.materials[a.index], s.materials[b.index],
-                                             found == s.pairDefs.end() ? MaterialPairDef{} : found->second);
+  const MaterialPair pair =
+      combineMaterials(s.materials[a.index], s.materials[b.index], materialPair(a, b));
   const auto side = [&](MaterialId m) {
     const MaterialDef& material = s.materials[m.index];
     return PairSide{

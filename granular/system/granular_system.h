@@ -118,6 +118,8 @@ class GranularSystem {
   MaterialId addMaterial(const MaterialDef& def);
   /// Overrides the pair rule for two materials (or one with itself). Holds from the next step on.
   void setMaterialPair(MaterialId a, MaterialId b, const MaterialPairDef& def);
+  /// The pair rule as it was set, or the default one.
+  MaterialPairDef materialPair(MaterialId a, MaterialId b) const;
   GrainShapeId addGrainShape(const GrainShapeDef& def);
 
   GrainId addGrain(const GrainDef& def);
@@ -157,6 +159,15 @@ class GranularSystem {
   /// Contact force and torque on any body, static ones too, in the present state.
   Wrench contactWrench(BodyId id);
   BodyMotion bodyMotionType(BodyId id) const;
+  /// Ids of all living bodies, by index.
+  std::vector<BodyId> bodies() const;
+  /// The def that would add this body as it is now.
+  BodyDef bodyDef(BodyId id) const;
+  Wrench bodyLoad(BodyId id) const;
+  /// m/s^2: its own, or the system's.
+  Vector3 bodyGravity(BodyId id) const;
+  /// Whether setBodyPairContact leaves the two to each other.
+  bool bodyPairContact(BodyId a, BodyId b) const;
 
   // ---- grains: reading (spans stay valid until the next call that adds or steps)
   std::int32_t grainCount() const;     ///< living grains
@@ -172,6 +183,7 @@ class GranularSystem {
   MaterialId materialOf(GrainId id) const;
   double scaleOf(GrainId id) const;
   double massOf(GrainId id) const;  ///< kg
+  const ContactFilter& filterOf(GrainId id) const;
   const MaterialDef& material(MaterialId id) const;
   const Covering& covering(BodyId id) const;
 
