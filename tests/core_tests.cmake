@@ -1,13 +1,15 @@
 list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/advice_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/candidate_list_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/free_rotation_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/grain_shape_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/granular_system_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/io_lammps_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/rkf45_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp)
 
 # LAMMPS judges the input that we write for it, where it is installed.
 find_program(GRANULAR_LAMMPS NAMES lmp lmp_serial DOC "LAMMPS, for tests and granular_bench peers")

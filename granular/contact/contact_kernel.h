@@ -21,6 +21,7 @@ struct ContactGeometry {
       Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
   bool slides = false;  ///< when the last sub-step was accepted; laws with memory only
   bool isNew = false;   ///< begun within the present trial; laws with memory only
+  double memoryStep = 0.0;  ///< by how much D moves on, at the rate found here, before it pulls, s
   double share = 1.0;   ///< area, m^2, that laws by area are multiplied with
 };
 
@@ -62,12 +63,20 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
     const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
     const double growth = stiffnessPower<Normal>(shear) * xiDot / g.xi;  // kt' / kt
     const double friction = std::max(0.0, fn);
-    const Vector3 Dt = D - D.dot(g.N) * g.N;
+    const auto rateOf = [&](const Vector3& d) -> Vector3 {
+      return Vt - std::max(0.0, growth) * d + g.turning.cross(d);
+    };
+    Vector3 Dt = D - D.dot(g.N) * g.N;
+    memory->rate = rateOf(Dt);
+    if (g.memoryStep > 0.0) {
+      memory->rate = rateOf(Dt + g.memoryStep * memory->rate);
+      Dt += g.memoryStep * memory->rate;
+      Dt -= Dt.dot(g.N) * g.N;
+    }
     Ft = Shear::force(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
     // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
     // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
     // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper.
-    memory->rate = Vt - std::max(0.0, growth) * Dt + g.turning.cross(Dt);
     memory->slides = Shear::slides(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
     memory->displacement = Shear::settled(shear, friction, kt, Vt, Dt, memory->slides);
     memory->energy = 0.5 * g.share * kt * memory->displacement.squaredNorm();

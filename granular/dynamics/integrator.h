@@ -7,11 +7,21 @@
 namespace granular {
 
 enum class Stepper : std::uint8_t {
-  Rkf45,  ///< adaptive Runge-Kutta-Fehlberg 4(5), six evaluations a trial: the paper's, the default
+  Rkf45,  ///< Runge-Kutta-Fehlberg 4(5), six evaluations a trial: the paper's, the default
+  /// Leapfrog with forces at predicted velocities, second order, one evaluation a trial.
+  Leapfrog,
+  Verlet,             ///< velocity Verlet as other DEM codes step, one evaluation; no error control
+  SemiImplicitEuler,  ///< velocities, then positions with the new ones, one evaluation; no error control
+  BogackiShampine,    ///< Runge-Kutta 3(2), three evaluations a trial
 };
 
 struct IntegratorDef {
   Stepper stepper = Stepper::Rkf45;
+
+  /// > 0: every sub-step is this long, s (a little less, so that a whole number of them fills the step),
+  /// without error control, whatever meets in it: for comparisons, and for energy without a trend. 0:
+  /// adaptive; steppers without error control are then bound by contactTimeFraction alone.
+  double fixedSubStep = 0.0;
 
   /// Local error allowed in one sub-step, as a fraction of the smallest particle radius. Position error
   /// counts as it is; a velocity error counts as the way it makes in one contact time, a rotation as the way

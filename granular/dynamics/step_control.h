@@ -17,7 +17,8 @@ namespace granular {
 
 class StepControl {
  public:
-  explicit StepControl(int errorOrder) : exponent_(-1.0 / errorOrder) {}
+  /// errorOrder: the error falls with this power of the trial's length; 0: there is none, only the bounds.
+  explicit StepControl(int errorOrder = 0) : exponent_(errorOrder > 0 ? -1.0 / errorOrder : 0.0) {}
 
   /// Length of the next trial, s: what accuracy suggests, within the bounds. remaining = time left in the
   /// step.

@@ -23,6 +23,7 @@ void checkMotion(const RigidMotion& m, const std::string& what) {
 }
 
 void checkIntegrator(const IntegratorDef& def) {
+  requireNotNegative(def.fixedSubStep, "IntegratorDef.fixedSubStep", "s");
   requirePositive(def.tolerance, "IntegratorDef.tolerance", "radii");
   require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= 0.3,
           "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "", "in (0, 0.3]");
@@ -230,7 +231,9 @@ const Vector3& GranularSystem::gravity() const {
 
 void GranularSystem::setIntegrator(const IntegratorDef& def) {
   checkIntegrator(def);
+  const bool changesStepper = def.stepper != impl_->integrator.stepper;
   impl_->integrator = def;
+  if (changesStepper) impl_->setStepper();
 }
 const IntegratorDef& GranularSystem::integrator() const {
   return impl_->integrator;

@@ -28,14 +28,6 @@ Quaternion orientationAt(const double* y) {
   return Quaternion(q[0], q[1], q[2], q[3]).normalized();
 }
 
-/// omega = R I^-1 R^T L, with locked axes left out.
-Vector3 angularVelocity(const Owner& owner, const Quaternion& orientation, const Vector3& angularMomentum) {
-  if (owner.isotropic && !owner.isLocked) return owner.inverseInertia.x() * angularMomentum;
-  const Vector3 own = orientation.conjugate() * angularMomentum;
-  const Vector3 world = orientation * owner.inverseInertia.cwiseProduct(own);
-  return owner.isLocked ? Vector3(owner.freeAxes.cwiseProduct(world)) : world;
-}
-
 }  // namespace
 
 void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
@@ -70,15 +62,14 @@ void Evaluation::placeFixed() {
   listIsCurrent_ = false;
 }
 
-void Evaluation::evaluate(double t, const std::vector<double>& y, std::vector<double>& rate,
-                          double onsetWindow) {
+void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
   ++evaluations;
-  placeParticles(t, y);                        // pose -> particle positions, x + R s_i              sec. 3.1
-  updateCandidates();                          // only when something has moved half a skin          sec. 3.2
-  findContacts();                              // candidates -> pairs with overlap > 0               eq. 1
-  computeContactForces(y, rate, onsetWindow);  // relative velocity, normal law, shear law           eqs. 2-19
-  sumWrenches();                               // by rank -> wrench of each grain and moving body    sec. 3.1
-  computeAccelerations(y, rate);               // gravity, loads, rigid-body equations of motion     sec. 3.4
+  placeParticles(at.time, y);         // pose -> particle positions, x + R s_i              sec. 3.1
+  updateCandidates();                 // only when something has moved half a skin          sec. 3.2
+  findContacts();                     // candidates -> pairs with overlap > 0               eq. 1
+  computeContactForces(at, y, rate);  // relative velocity, normal law, shear law           eqs. 2-19
+  sumWrenches();                      // by rank -> wrench of each grain and moving body    sec. 3.1
+  computeAccelerations(y, rate);      // gravity, loads, rigid-body equations of motion     sec. 3.4
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
@@ -113,7 +104,7 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
         const Quaternion orientation = orientationAt(own);
         placeOwner(o, vectorAt(own, state::kPosition), orientation);
         row.velocity = vectorAt(own, state::kVelocity);
-        row.angularVelocity = angularVelocity(owner, orientation, vectorAt(own, state::kAngularMomentum));
+        row.angularVelocity = angularVelocityOf(owner, orientation, vectorAt(own, state::kAngularMomentum));
       } else {
         const RigidMotion& start = surroundings_.kinematic[o - dynamic];
         const RigidMotion now = advanced(start, t);

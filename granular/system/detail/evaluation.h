@@ -11,6 +11,7 @@
 #include "granular/base/parallel.h"
 #include "granular/contact/contact_kernel.h"
 #include "granular/contact/pair_law.h"
+#include "granular/dynamics/equations.h"
 #include "granular/search/candidate_list.h"
 #include "granular/system/detail/layout.h"
 #include "granular/system/step_report.h"
@@ -103,9 +104,10 @@ class Evaluation {
     return layout_.dynamicCount() * state::kSize + movingBody * state::kTallySize;
   }
 
-  /// The rate of y at time t of the step. onsetWindow: how long ago, s, a contact without memory may have
-  /// begun; its displacement is taken to have grown since then.
-  void evaluate(double t, const std::vector<double>& y, std::vector<double>& rate, double onsetWindow);
+  /// The rate of y. A contact without memory is taken to have begun at most `sinceTrial` ago, its
+  /// displacement to have grown since then; the displacements of others are moved on by `memoryStep` before
+  /// they pull.
+  void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
 
   /// After the first evaluation of an accepted state: contacts that began are remembered from now on, those
   /// that ended are forgotten, springs give way to the Coulomb limit. Grows or shrinks y and its rate.
@@ -138,7 +140,7 @@ class Evaluation {
   void placeParticles(double t, const std::vector<double>& y);
   void updateCandidates();
   void findContacts();
-  void computeContactForces(const std::vector<double>& y, std::vector<double>& rate, double onsetWindow);
+  void computeContactForces(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
   void sumWrenches();
   void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
 
@@ -160,7 +162,7 @@ class Evaluation {
     std::int32_t pushing = 0;
   };
   template <class Normal, class Shear>
-  void forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate, double onsetWindow,
+  void forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y, double* rate,
                    Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;

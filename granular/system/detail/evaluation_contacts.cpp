@@ -162,8 +162,8 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
 }
 
 template <class Normal, class Shear>
-void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double* y, double* rate,
-                             double onsetWindow, Extremes& extremes) {
+void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y,
+                             double* rate, Extremes& extremes) {
   for (std::int32_t n = begin; n < end; ++n) {
     const Contact& contact = contacts_[n];
     ContactGeometry g;
@@ -183,9 +183,10 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double*
       if (entry >= 0) {
         D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
         g.slides = memory_[entry].slides;
+        g.memoryStep = at.memoryStep;
       } else if (g.isNew = true;
                  xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-        D = std::min(g.xi / xiDot, onsetWindow) / (1.0 + stiffnessPower<Normal>(law.shear)) *
+        D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal>(law.shear)) *
             (g.V - xiDot * g.N);
       }
     }
@@ -200,8 +201,8 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const double*
   }
 }
 
-void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<double>& rate,
-                                      double onsetWindow) {
+void Evaluation::computeContactForces(const Moment& at, const std::vector<double>& y,
+                                      std::vector<double>& rate) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
   pieceMaximum_.assign(pieces, 0.0);
@@ -218,7 +219,7 @@ void Evaluation::computeContactForces(const std::vector<double>& y, std::vector<
       while (stop < end && pairLaw(contacts_[stop]).sameKernel(law)) ++stop;
       withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
         withShearLaw(law.shearLaw, [&]<class Shear>(Shear) {
-          forcesOfRun<Normal, Shear>(begin, stop, y.data(), rate.data(), onsetWindow, extremes);
+          forcesOfRun<Normal, Shear>(begin, stop, at, y.data(), rate.data(), extremes);
         });
       });
       begin = stop;

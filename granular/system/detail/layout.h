@@ -44,6 +44,15 @@ struct Owner {
   std::int32_t patchCount = 0;
 };
 
+/// omega = R I^-1 R^T L, world, with locked axes left out; rad/s.
+inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientation,
+                                 const Vector3& angularMomentum) {
+  if (owner.isotropic && !owner.isLocked) return owner.inverseInertia.x() * angularMomentum;
+  const Vector3 own = orientation.conjugate() * angularMomentum;
+  const Vector3 world = orientation * owner.inverseInertia.cwiseProduct(own);
+  return owner.isLocked ? Vector3(owner.freeAxes.cwiseProduct(world)) : world;
+}
+
 /// A particle or exact surface as the pair laws tell it apart.
 struct ParticleKind {
   double inverseRadius = 0.0;  ///< 0 for a plane

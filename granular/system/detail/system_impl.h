@@ -3,15 +3,17 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "granular/contact/pair_law.h"
-#include "granular/dynamics/rkf45.h"
 #include "granular/dynamics/step_control.h"
+#include "granular/dynamics/step_method.h"
 #include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/grain_equations.h"
 #include "granular/system/detail/layout.h"
 #include "granular/system/granular_system.h"
 
@@ -54,7 +56,16 @@ struct BodyRecord {
 class GranularSystem::Impl {
  public:
   explicit Impl(const SystemDef& def)
-      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads) {}
+      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads) {
+    setStepper();
+  }
+
+  struct Trial {
+    double length = 0.0;          // s
+    bool isLoose = false;         // beyond IntegratorDef::trialLimit
+    bool isSmallest = false;      // at IntegratorDef::smallestSubStep
+    bool mustBeAccepted = false;  // whatever its error
+  };
 
   // ---- what the host added
   Vector3 gravity;
@@ -71,10 +82,12 @@ class GranularSystem::Impl {
 
   // ---- the state
   detail::Evaluation evaluation;
+  detail::GrainEquations equations{evaluation};
   std::vector<std::int32_t> ownerOfGrain, ownerOfBody;  // in the layout; -1 when not there
   std::vector<double> y;
-  Rkf45 stepper;
-  StepControl control{Rkf45Table::kErrorOrder};
+  std::unique_ptr<StepMethod> stepper;
+  StepControl control;
+  std::vector<double> worstInPiece;     // errors, m
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;
@@ -98,15 +111,19 @@ class GranularSystem::Impl {
   StepReport step(double dt);
   double integrate(double dt, StepReport& report);
   double trialBound(const detail::EvaluationSummary& seen) const;
-  double eventBound(const detail::EvaluationSummary& seen, bool hasEvent) const;
-  double scaledError() const;
-  void acceptTrial();
+  double eventBound() const;
+  Trial planTrial(double dt, double remaining, const StepReport& report);
+  double scaledError();
+  bool judge(const Trial& trial, double scaledError);
+  void acceptTrial(const Trial& trial, bool isLast, StepReport& report);
   void storeState(double dt);
   void quarantineNonFinite(StepReport& report);
   void removeGrain(std::int32_t index);
   void measure(StepReport& report);
 
+  void setStepper();
   void evaluateNow(double t);
+  void startIsEvaluated();
   void surroundingsChanged();
   void writeOwner(std::int32_t o, const RigidMotion& motion);
   RigidMotion readOwner(std::int32_t o) const;

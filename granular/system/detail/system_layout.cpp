@@ -35,6 +35,12 @@ void GranularSystem::Impl::checkMaterialId(MaterialId id, std::string_view field
           "an id that addMaterial returned");
 }
 
+void GranularSystem::Impl::setStepper() {
+  stepper = makeStepMethod(integrator.stepper);
+  control = StepControl(stepper->errorOrder());
+  startIsCurrent = false;
+}
+
 void GranularSystem::Impl::prepare() {
   if (!layoutIsOld) return;
   const std::vector<detail::RememberedContact> memory = evaluation.exportMemory(y);

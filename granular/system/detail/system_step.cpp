@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The step: trials until its end, then the report.
+// The step: sub-steps until its end (system_integrate.cpp), then the report.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "granular/system/detail/system_impl.h"
 
@@ -18,155 +17,12 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// No trial carries anything farther than this fraction of the smallest radius: larger, and fast grains could
-// pass over each other's edges unseen; smaller, and free flight costs evaluations.
-constexpr double kLargestMove = 0.25;
-
-// A contact's urgency changes a little within a trial; only a trial longer than this many bounds is tried
-// again.
-constexpr double kStageSlack = 1.5;
-
-// How a trial that holds an event is cut down to IntegratorDef::eventFraction: in steps, since a shorter one
-// may not reach the event any more.
-constexpr double kEventApproach = 0.2;
-
-// Beyond IntegratorDef::trialLimit errors may be this much larger.
-constexpr double kLooseTolerance = 1000.0;
-
-double shorterSubStep(const StepReport& report, double h) {
-  return report.shortestSubStep > 0.0 ? std::min(report.shortestSubStep, h) : h;
-}
-
 bool isFinite(const RigidMotion& m) {
   return m.pose.position.allFinite() && m.pose.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
          m.angularVelocity.allFinite();
 }
 
 }  // namespace
-
-/// Longest trial that what was seen allows, s.
-double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) const {
-  double bound = std::numeric_limits<double>::infinity();
-  if (seen.urgency > 0.0) bound = integrator.contactTimeFraction * contactTimeOfUrgency(seen.urgency);
-  if (seen.largestSpeed > 0.0) {
-    bound = std::min(bound, kLargestMove * evaluation.layout().smallestRadius / seen.largestSpeed);
-  }
-  return std::max(bound, integrator.smallestSubStep);
-}
-
-/// Longest trial in which a contact may begin, let go or end, s; infinite where it does not matter.
-double GranularSystem::Impl::eventBound(const detail::EvaluationSummary& seen, bool hasEvent) const {
-  if (!hasEvent || seen.contacts > integrator.eventContacts || !(seen.urgency > 0.0)) {
-    return std::numeric_limits<double>::infinity();
-  }
-  return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
-}
-
-/// Largest error of the trial over what is allowed: way of the fastest-moving surface point, in tolerance
-/// times the smallest radius. NaN if anything is not finite.
-double GranularSystem::Impl::scaledError() const {
-  constexpr std::int32_t kOwnersPerPiece = 512;
-  const detail::Layout& layout = evaluation.layout();
-  const std::int32_t pieces = Executor::pieceCount(layout.dynamicCount(), kOwnersPerPiece);
-  std::vector<double> worst(pieces, 0.0);
-  const double velocityTime = contactTimeAtReference;
-  // std::max would drop a NaN that comes second.
-  const auto raise = [](double& largest, double value) {
-    if (!(value <= largest) && !std::isnan(largest)) largest = value;
-  };
-  evaluation.executor().forPieces(pieces, [&](std::int32_t piece) {
-    const std::int32_t end = std::min(layout.dynamicCount(), (piece + 1) * kOwnersPerPiece);
-    for (std::int32_t o = piece * kOwnersPerPiece; o < end; ++o) {
-      const detail::Owner& owner = layout.owners[o];
-      const double* error = stepper.error().data() + o * state::kSize;
-      const auto size3 = [&](int place) { return Eigen::Map<const Vector3>(error + place).norm(); };
-      const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(error + state::kOrientation).norm();
-      const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
-      raise(worst[piece], size3(state::kPosition) + turn * owner.reach);
-      raise(worst[piece], velocityTime * (size3(state::kVelocity) + spin * owner.reach));
-    }
-  });
-  double way = 0.0;
-  for (const double w : worst) raise(way, w);
-  return way / (integrator.tolerance * layout.smallestRadius);
-}
-
-void GranularSystem::Impl::acceptTrial() {
-  y.swap(stepper.result());
-  evaluation.executor().forRanges(
-      evaluation.layout().dynamicCount(), 4096, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t o = begin; o < end; ++o) {
-          Eigen::Map<Eigen::Vector4d>(y.data() + o * state::kSize + state::kOrientation).normalize();
-        }
-      });
-}
-
-/// One evaluation of the present state, which is also the first stage of the next trial.
-void GranularSystem::Impl::evaluateNow(double t) {
-  if (startIsCurrent) return;
-  stepper.start(y, t, [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
-    evaluation.evaluate(at, s, rate, lastSubStep);
-  });
-  evaluation.settleMemory(y, stepper.firstRate());
-  startSummary = evaluation.summary();
-  startIsCurrent = true;
-  lastSubStep = 0.0;
-}
-
-/// Trials from 0 until dt, or until a state is accepted that is not finite. Returns the time reached.
-double GranularSystem::Impl::integrate(double dt, StepReport& report) {
-  double t = 0.0;
-  while (t < dt) {
-    evaluateNow(t);
-    report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
-
-    const std::int64_t trials = report.subSteps + report.rejectedTrials;
-    const bool loose = trials >= integrator.trialLimit,
-               forced = trials >= 2 * std::int64_t{integrator.trialLimit};
-    const double bound =
-        forced ? std::max(trialBound(startSummary), dt / integrator.trialLimit) : trialBound(startSummary);
-    const double h = forced ? std::min(dt - t, bound) : control.propose(dt - t, bound);
-    detail::EvaluationSummary seen = startSummary;
-    bool hasEvent = false;
-    stepper.trial(y, t, h, evaluation.executor(),
-                  [&](double at, const std::vector<double>& s, std::vector<double>& rate) {
-                    evaluation.evaluate(at, s, rate, at - t);
-                    seen.urgency = std::max(seen.urgency, evaluation.summary().urgency);
-                    seen.contacts = std::max(seen.contacts, evaluation.summary().contacts);
-                    hasEvent |= evaluation.summary().pushing != startSummary.pushing;
-                  });
-
-    const auto stepStart = Clock::now();
-    const bool smallest = h <= integrator.smallestSubStep;
-    const double error = loose ? scaledError() / kLooseTolerance : scaledError();
-    bool accept = forced || smallest;
-    const double longest = kStageSlack * trialBound(seen);
-    const double longestAtEvent = loose ? longest : eventBound(seen, hasEvent);
-    if (h > longest && !accept) {
-      control.shorten(trialBound(seen));  // RKF45's blind second stage may be the only one that saw it
-    } else if (h > longestAtEvent && !accept) {
-      control.shorten(std::max(kEventApproach * h, longestAtEvent));
-    } else {
-      accept |= control.judge(h, error);
-    }
-    if (accept) {
-      acceptTrial();
-      startIsCurrent = false;
-      lastSubStep = h;
-      t = dt - t <= h ? dt : t + h;
-      ++report.subSteps;
-      report.longestSubStep = std::max(report.longestSubStep, h);
-      if (t < dt || report.subSteps == 1) report.shortestSubStep = shorterSubStep(report, h);
-      if (loose) report.flags = report.flags | StepFlag::TrialLimitReached;
-      if (smallest && t < dt) report.flags = report.flags | StepFlag::SmallestSubStepReached;
-    } else {
-      ++report.rejectedTrials;
-    }
-    evaluation.stageSeconds[static_cast<int>(Stage::AdvanceState)] += secondsSince(stepStart);
-    if (accept && !std::isfinite(error)) return t;
-  }
-  return dt;
-}
 
 /// Takes out what is no longer finite, so that it cannot poison the rest.
 void GranularSystem::Impl::quarantineNonFinite(StepReport& report) {
@@ -225,7 +81,7 @@ StepReport GranularSystem::Impl::step(double dt) {
 
   for (double done = 0.0; done < dt;) {
     prepare();  // only when something was added, removed or moved by hand
-    const double part = integrate(dt - done, report);  // sub-steps, six evaluations a trial sec. 3.4
+    const double part = integrate(dt - done, report);  // sub-steps                 sec. 3.4
     storeState(part);
     quarantineNonFinite(report);  // one bad grain must not poison the pile
     done = part >= dt - done ? dt : done + part;

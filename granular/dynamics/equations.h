@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// What a stepper may ask of equations of motion. The state is a plain vector of doubles; only the equations
+// know which of them are poses, which are momenta, and which merely add up. So steppers are tested on an
+// oscillator and grains are stepped by any of them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "granular/base/parallel.h"
+
+namespace granular {
+
+/// The moment an evaluation is made for.
+struct Moment {
+  double time = 0.0;        ///< since the step began, s
+  double sinceTrial = 0.0;  ///< since the trial began, s: what touches now and did not then began within it
+  /// How much longer contacts have slid than the state says, at the rate that this evaluation finds, s.
+  /// Runge-Kutta: 0. Splitting methods move the memory of contacts (Bell 2005, eq. 19) with the velocities
+  /// that the evaluation sees, as they move poses.
+  double memoryStep = 0.0;
+};
+
+/// One move of poses, and where momenta and memories of contacts stand for the evaluation that follows. All
+/// in seconds of the rate at the start of the trial.
+struct Drift {
+  double time = 0.0;      ///< length of the move
+  double poseKick = 0.0;  ///< momenta that carry the poses along = those of the state + poseKick * rate
+  double kick = 0.0;      ///< momenta for the evaluation = those of the state + kick * rate
+  double memory = 0.0;    ///< the same for memories of contacts
+};
+
+class Equations {
+ public:
+  virtual ~Equations() = default;
+
+  /// One evaluation: rate = dy/dt. Fills all of rate, which has the size of y.
+  virtual void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) = 0;
+
+  /// Poses move on by themselves, exactly where nothing pushes. Leaves in `to`, which has the size of y, a
+  /// state to evaluate; what merely adds up is not set.
+  virtual void drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
+                     std::vector<double>& to) = 0;
+
+  /// Momenta and what adds up of `to` = those of y + first * rate0 + second * rate1; poses of `to` stay.
+  virtual void kick(const std::vector<double>& y, double first, const std::vector<double>& rate0,
+                    double second, const std::vector<double>& rate1, std::vector<double>& to) = 0;
+
+  /// `to` was summed up number by number from y, h seconds before. Brings it back to what it may be: unit
+  /// quaternions, and exact turns of what nothing turned.
+  virtual void finish(const std::vector<double>& y, double h, std::vector<double>& to) = 0;
+
+  /// Threads that a stepper's own sums may run on.
+  virtual const Executor& executor() const = 0;
+
+  /// Leading numbers of a state whose error is asked for.
+  virtual std::size_t errorCount(const std::vector<double>& y) const = 0;
+};
+
+}  // namespace granular

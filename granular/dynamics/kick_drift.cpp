@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "granular/dynamics/kick_drift.h"
+
+namespace granular {
+namespace {
+
+constexpr std::int64_t kNumbersPerPiece = 8192;  // of the state, handed to a thread at a time
+
+}  // namespace
+
+void KickDrift::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
+  result_.resize(y.size());
+  lastRate_.resize(y.size());
+  equations.drift(
+      {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
+      firstRate_, result_);
+  equations.evaluate({.time = t + h, .sinceTrial = h, .memoryStep = table_.memoryStep * h}, result_,
+                     lastRate_);
+  equations.kick(y, table_.first * h, firstRate_, table_.second * h, lastRate_, result_);
+  if (table_.errorOrder == 0) return;
+  error_.resize(equations.errorCount(y));
+  estimateError(equations.executor(), h);
+}
+
+/// What the trapezoidal rule leaves out, h^3/12 of the second derivative of the rate, which is taken from the
+/// rates at the last three states; from two of them where there is none before.
+void KickDrift::estimateError(const Executor& executor, double h) {
+  const bool known = lengthBefore_ > 0.0;
+  const double scale = known ? h * h / (6.0 * (h + lengthBefore_)) : h / 12.0;
+  const double ratio = known ? h / lengthBefore_ : 0.0;
+  const double* before = known ? rateBefore_.data() : firstRate_.data();
+  executor.forRanges(
+      static_cast<std::int64_t>(error_.size()), kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t i = begin; i < end; ++i) {
+          error_[i] = scale * (lastRate_[i] - firstRate_[i] - ratio * (firstRate_[i] - before[i]));
+        }
+      });
+}
+
+bool KickDrift::accept(double h) {
+  if (table_.errorOrder > 0) {
+    rateBefore_.swap(firstRate_);
+    lengthBefore_ = h;
+  }
+  firstRate_.swap(lastRate_);
+  return true;
+}
+
+}  // namespace granular

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Steppers of one evaluation a sub-step, for equations of second order: poses drift with the momenta, momenta
+// are kicked by the forces found there. Which one is four weights.
+//
+//   leapfrog     the force at the end of the drift is evaluated at a predicted velocity of that same moment,
+//                so that damping and friction keep the second order (a velocity half a step old makes it one)
+//   Verlet       velocity Verlet as DEM codes step: the force sees the velocity of half a step ago
+//   semi-implicit Euler   kick, then drift with the new momenta
+//
+// Without forces that depend on velocity the first two are the same, symplectic, and energy has no trend.
+#pragma once
+
+#include "granular/dynamics/step_method.h"
+
+namespace granular {
+
+/// In steps: `Drift` of a trial, what the memory of contacts gets on top (Moment::memoryStep), and how much
+/// of the rates at both ends momenta are kicked with.
+struct KickDriftTable {
+  double poseKick, kick, memory, memoryStep, first, second;
+  int errorOrder;  ///< 0: no error estimate
+};
+
+inline constexpr KickDriftTable kLeapfrog{.poseKick = 0.5,
+                                          .kick = 1.0,
+                                          .memory = 0.5,
+                                          .memoryStep = 0.5,
+                                          .first = 0.5,
+                                          .second = 0.5,
+                                          .errorOrder = 3};
+// D moves with the velocity of half a step ago, as positions do.
+inline constexpr KickDriftTable kVerlet{.poseKick = 0.5,
+                                        .kick = 0.5,
+                                        .memory = 0.0,
+                                        .memoryStep = 1.0,
+                                        .first = 0.5,
+                                        .second = 0.5,
+                                        .errorOrder = 0};
+inline constexpr KickDriftTable kSemiImplicitEuler{.poseKick = 1.0,
+                                                   .kick = 1.0,
+                                                   .memory = 0.0,
+                                                   .memoryStep = 1.0,
+                                                   .first = 1.0,
+                                                   .second = 0.0,
+                                                   .errorOrder = 0};
+
+class KickDrift final : public StepMethod {
+ public:
+  explicit KickDrift(const KickDriftTable& table) : table_(table) {}
+
+  void trial(Equations& equations, const std::vector<double>& y, double t, double h) override;
+  bool accept(double h) override;
+  int errorOrder() const override { return table_.errorOrder; }
+
+ private:
+  void forget() override { lengthBefore_ = 0.0; }
+  void estimateError(const Executor& executor, double h);
+
+  const KickDriftTable& table_;
+  std::vector<double> lastRate_,
+      rateBefore_;             // at the end of the trial; at the start of the one accepted before
+  double lengthBefore_ = 0.0;  // of that one, s; 0: none
+};
+
+}  // namespace granular

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "granular/dynamics/runge_kutta.h"
+
+namespace granular {
+namespace {
+
+constexpr std::int64_t kNumbersPerPiece = 8192;  // of the state, handed to a thread at a time
+
+}  // namespace
+
+void RungeKutta::combine(const Executor& executor, const double* start, double h, const double* weights,
+                         std::vector<double>& out) const {
+  const auto size = static_cast<std::int64_t>(out.size());
+  executor.forRanges(size, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) out[i] = 0.0;
+    for (int s = 0; s < table_.stages; ++s) {
+      if (weights[s] == 0.0) continue;
+      const double w = weights[s];
+      const double* k = rate(s);
+      for (std::int64_t i = begin; i < end; ++i) out[i] += w * k[i];
+    }
+    for (std::int64_t i = begin; i < end; ++i) out[i] = start ? start[i] + h * out[i] : h * out[i];
+  });
+}
+
+void RungeKutta::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
+  const Executor& executor = equations.executor();
+  stage_.resize(y.size());
+  result_.resize(y.size());
+  error_.resize(equations.errorCount(y));
+  for (int s = 1; s < table_.stages; ++s) {
+    double weights[RungeKuttaTable::kMostStages] = {};
+    std::copy_n(table_.a[s], s, weights);
+    combine(executor, y.data(), h, weights, stage_);
+    laterRates_[s - 1].resize(y.size());
+    const double since = table_.c[s] * h;
+    equations.evaluate({.time = t + since, .sinceTrial = since}, stage_, laterRates_[s - 1]);
+  }
+  combine(executor, y.data(), h, table_.b, result_);
+  equations.finish(y, h, result_);
+  double difference[RungeKuttaTable::kMostStages];
+  for (int s = 0; s < RungeKuttaTable::kMostStages; ++s) difference[s] = table_.b[s] - table_.other[s];
+  combine(executor, nullptr, h, difference, error_);
+}
+
+bool RungeKutta::accept(double) {
+  if (table_.lastIsFirst) firstRate_.swap(laterRates_[table_.stages - 2]);
+  return table_.lastIsFirst;
+}
+
+}  // namespace granular

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// A stepper: from a state to a state one trial later, and how wrong that may be. It accepts nothing (that is
+// StepControl's part) and knows nothing of grains (those are the Equations). As in odeint, equations, stepper
+// and controller are three things.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "granular/dynamics/equations.h"
+#include "granular/dynamics/integrator.h"
+
+namespace granular {
+
+class StepMethod {
+ public:
+  virtual ~StepMethod() = default;
+
+  /// First rate of every trial that starts from y at this moment; forgets what was known before.
+  void start(Equations& equations, const Moment& at, const std::vector<double>& y);
+
+  /// Tries the step from (y, t) to t + h. Needs firstRate() there. Changes nothing but result() and error().
+  virtual void trial(Equations& equations, const std::vector<double>& y, double t, double h) = 0;
+
+  /// The last trial, of length h, is the state from now on. Returns whether firstRate() is that of the new
+  /// state already, else start() has to be called before the next trial.
+  virtual bool accept(double h) = 0;
+
+  /// The error estimate falls with this power of the step; 0: there is none, and error() is empty.
+  virtual int errorOrder() const = 0;
+
+  std::vector<double>& firstRate() { return firstRate_; }
+  std::vector<double>& result() { return result_; }            ///< state at t + h
+  const std::vector<double>& error() const { return error_; }  ///< of its leading numbers, same units
+
+ protected:
+  virtual void forget() {}
+
+  std::vector<double> firstRate_, result_, error_;
+};
+
+std::unique_ptr<StepMethod> makeStepMethod(Stepper stepper);
+
+}  // namespace granular

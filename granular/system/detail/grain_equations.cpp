@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "granular/system/detail/grain_equations.h"
+
+#include <algorithm>
+
+#include "granular/dynamics/free_rotation.h"
+
+namespace granular::detail {
+namespace {
+
+constexpr std::int64_t kOwnersPerPiece = 512;  // handed to a thread at a time
+
+Eigen::Map<const Vector3> vectorAt(const double* own, int place) {
+  return Eigen::Map<const Vector3>(own + place);
+}
+Eigen::Map<Vector3> vectorAt(double* own, int place) {
+  return Eigen::Map<Vector3>(own + place);
+}
+
+/// Orientation after t seconds in which nothing turns the owner.
+Quaternion turned(const Owner& owner, const Quaternion& orientation, const Vector3& angularMomentum,
+                  double t) {
+  if (!owner.isLocked) return freelyTurned(orientation, angularMomentum, owner.inverseInertia, t);
+  // Held about some axis it is no free top: the midpoint rule.
+  const Vector3 start = angularVelocityOf(owner, orientation, angularMomentum);
+  const Quaternion middle = turnBy(0.5 * t * start) * orientation;
+  return (turnBy(t * angularVelocityOf(owner, middle, angularMomentum)) * orientation).normalized();
+}
+
+}  // namespace
+
+void GrainEquations::evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
+  evaluation_.evaluate(at, y, rate);
+  const EvaluationSummary& now = evaluation_.summary();
+  seen_.urgency = std::max(seen_.urgency, now.urgency);
+  seen_.contacts = std::max(seen_.contacts, now.contacts);
+  hasEvent_ |= now.pushing != pushingAtStart_;
+}
+
+void GrainEquations::beginTrial(const EvaluationSummary& start) {
+  seen_ = start;
+  pushingAtStart_ = start.pushing;
+  hasEvent_ = false;
+}
+
+void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
+                           std::vector<double>& to) {
+  const Layout& layout = evaluation_.layout();
+  executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t o = begin; o < end; ++o) {
+      const double *own = y.data() + o * state::kSize, *change = rate.data() + o * state::kSize;
+      double* out = to.data() + o * state::kSize;
+      const auto momentum = [&](int place, double kick) -> Vector3 {
+        return vectorAt(own, place) + kick * vectorAt(change, place);
+      };
+      vectorAt(out, state::kPosition) =
+          vectorAt(own, state::kPosition) + drift.time * momentum(state::kVelocity, drift.poseKick);
+      const double* q = own + state::kOrientation;
+      const Quaternion orientation = turned(layout.owners[o], {q[0], q[1], q[2], q[3]},
+                                            momentum(state::kAngularMomentum, drift.poseKick), drift.time);
+      double* p = out + state::kOrientation;
+      p[0] = orientation.w(), p[1] = orientation.x(), p[2] = orientation.y(), p[3] = orientation.z();
+      vectorAt(out, state::kVelocity) = momentum(state::kVelocity, drift.kick);
+      vectorAt(out, state::kAngularMomentum) = momentum(state::kAngularMomentum, drift.kick);
+    }
+  });
+  for (std::size_t i = evaluation_.stateSize(); i < y.size(); ++i) to[i] = y[i] + drift.memory * rate[i];
+}
+
+void GrainEquations::kick(const std::vector<double>& y, double first, const std::vector<double>& rate0,
+                          double second, const std::vector<double>& rate1, std::vector<double>& to) {
+  const auto sum = [&](std::size_t i) { to[i] = y[i] + first * rate0[i] + second * rate1[i]; };
+  const std::size_t owners = evaluation_.layout().dynamicCount();
+  executor().forRanges(owners, kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    static_assert(state::kAngularMomentum == state::kVelocity + 3);
+    for (std::int64_t o = begin; o < end; ++o) {
+      const std::size_t at = o * state::kSize + state::kVelocity;
+      for (std::size_t i = at; i < at + 6; ++i) sum(i);
+    }
+  });
+  for (std::size_t i = owners * state::kSize; i < evaluation_.stateSize(); ++i) sum(i);
+}
+
+void GrainEquations::normalize(std::vector<double>& y) {
+  executor().forRanges(evaluation_.layout().dynamicCount(), 4096, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t o = begin; o < end; ++o) {
+      Eigen::Map<Eigen::Vector4d>(y.data() + o * state::kSize + state::kOrientation).normalize();
+    }
+  });
+}
+
+}  // namespace granular::detail

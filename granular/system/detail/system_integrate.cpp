@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// Trials until the end of a step (Bell 2005, sec. 3.4): how long the next one may be, and whether the last
+// one is accepted.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "granular/system/detail/system_impl.h"
+
+namespace granular {
+namespace {
+
+namespace state = detail::state;
+using Clock = std::chrono::steady_clock;
+
+// No trial carries anything farther than this fraction of the smallest radius: larger, and fast grains could
+// pass over each other's edges unseen; smaller, and free flight costs evaluations.
+constexpr double kLargestMove = 0.25;
+
+// A contact's urgency changes a little within a trial; only a trial longer than this many bounds is tried
+// again.
+constexpr double kStageSlack = 1.5;
+
+// How a trial that holds an event is cut down to IntegratorDef::eventFraction: in steps, since a shorter one
+// may not reach the event any more.
+constexpr double kEventApproach = 0.2;
+
+// Beyond IntegratorDef::trialLimit errors may be this much larger.
+constexpr double kLooseTolerance = 1000.0;
+
+constexpr std::int32_t kOwnersPerPiece = 512;  // handed to a thread at a time
+
+/// std::max would drop a NaN that comes second.
+void raise(double& largest, double value) {
+  if (!(value <= largest) && !std::isnan(largest)) largest = value;
+}
+
+}  // namespace
+
+/// Longest trial that what was seen allows, s.
+double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) const {
+  double bound = std::numeric_limits<double>::infinity();
+  if (seen.urgency > 0.0) bound = integrator.contactTimeFraction * contactTimeOfUrgency(seen.urgency);
+  if (seen.largestSpeed > 0.0) {
+    bound = std::min(bound, kLargestMove * evaluation.layout().smallestRadius / seen.largestSpeed);
+  }
+  return std::max(bound, integrator.smallestSubStep);
+}
+
+/// Longest trial in which a contact may begin, let go or end, s; infinite where it does not matter.
+double GranularSystem::Impl::eventBound() const {
+  const detail::EvaluationSummary& seen = equations.seen();
+  if (!equations.hasEvent() || seen.contacts > integrator.eventContacts || !(seen.urgency > 0.0)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
+}
+
+/// Largest error of the trial over what is allowed: way of the fastest-moving surface point, in tolerance
+/// times the smallest radius; 0 from a stepper that has no estimate. NaN if anything is not finite.
+double GranularSystem::Impl::scaledError() {
+  const detail::Layout& layout = evaluation.layout();
+  const bool isEstimated = stepper->errorOrder() > 0;
+  const std::vector<double>& numbers = isEstimated ? stepper->error() : stepper->result();
+  const std::int32_t pieces = Executor::pieceCount(layout.dynamicCount(), kOwnersPerPiece);
+  worstInPiece.assign(pieces, 0.0);
+  evaluation.executor().forPieces(pieces, [&](std::int32_t piece) {
+    const std::int32_t end = std::min(layout.dynamicCount(), (piece + 1) * kOwnersPerPiece);
+    for (std::int32_t o = piece * kOwnersPerPiece; o < end; ++o) {
+      const detail::Owner& owner = layout.owners[o];
+      const double* own = numbers.data() + o * state::kSize;
+      const auto size3 = [&](int place) { return Eigen::Map<const Vector3>(own + place).norm(); };
+      const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(own + state::kOrientation).norm();
+      const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
+      const double way = size3(state::kPosition) + turn * owner.reach;
+      const double speed = size3(state::kVelocity) + spin * owner.reach;
+      raise(worstInPiece[piece], way);
+      raise(worstInPiece[piece], contactTimeAtReference * speed);
+    }
+  });
+  double way = 0.0;
+  for (const double worst : worstInPiece) raise(way, worst);
+  if (!isEstimated) return std::isfinite(way) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  return way / (integrator.tolerance * layout.smallestRadius);
+}
+
+/// The rate of the present state, which is also the first of the next trial.
+void GranularSystem::Impl::evaluateNow(double t) {
+  if (startIsCurrent) return;
+  stepper->start(equations, {.time = t, .sinceTrial = lastSubStep}, y);
+  startIsEvaluated();
+}
+
+/// The last evaluation was that of the present state.
+void GranularSystem::Impl::startIsEvaluated() {
+  evaluation.settleMemory(y, stepper->firstRate());
+  startSummary = evaluation.summary();
+  startIsCurrent = true;
+  lastSubStep = 0.0;
+}
+
+/// The next trial of a step of dt, of which `remaining` is left.
+GranularSystem::Impl::Trial GranularSystem::Impl::planTrial(double dt, double remaining,
+                                                            const StepReport& report) {
+  Trial trial;
+  if (integrator.fixedSubStep > 0.0) {  // as many equal ones as fit
+    trial.length = remaining / std::max(1.0, std::ceil(remaining / integrator.fixedSubStep - 1e-6));
+    trial.mustBeAccepted = true;
+    return trial;
+  }
+  const std::int64_t trials = report.subSteps + report.rejectedTrials;
+  const bool isOver = trials >= 2 * std::int64_t{integrator.trialLimit};
+  double bound = trialBound(startSummary);
+  if (isOver) {
+    bound = std::max(bound, dt / integrator.trialLimit);
+    trial.length = std::min(remaining, bound);
+  } else {
+    trial.length = control.propose(remaining, bound);
+  }
+  trial.isLoose = trials >= integrator.trialLimit;
+  trial.isSmallest = trial.length <= integrator.smallestSubStep;
+  trial.mustBeAccepted = isOver || trial.isSmallest;
+  return trial;
+}
+
+/// Whether the trial is accepted; if not, control proposes a shorter one. scaledError: as above.
+bool GranularSystem::Impl::judge(const Trial& trial, double scaledError) {
+  if (integrator.fixedSubStep > 0.0) return true;
+  if (!trial.mustBeAccepted) {
+    const double bound = trialBound(equations.seen());
+    if (trial.length > kStageSlack * bound) {
+      control.shorten(bound);  // RKF45's blind second stage may be the only one that saw it
+      return false;
+    }
+    const double longestAtEvent = trial.isLoose ? trial.length : eventBound();
+    if (trial.length > longestAtEvent) {
+      control.shorten(std::max(kEventApproach * trial.length, longestAtEvent));
+      return false;
+    }
+  }
+  const bool accepted = control.judge(trial.length, scaledError);
+  return accepted || trial.mustBeAccepted;
+}
+
+void GranularSystem::Impl::acceptTrial(const Trial& trial, bool isLast, StepReport& report) {
+  const double h = trial.length;
+  y.swap(stepper->result());
+  lastSubStep = h;
+  startIsCurrent = false;
+  if (stepper->accept(h)) startIsEvaluated();
+  ++report.subSteps;
+  report.longestSubStep = std::max(report.longestSubStep, h);
+  if (!isLast || report.subSteps == 1) {
+    report.shortestSubStep = report.shortestSubStep > 0.0 ? std::min(report.shortestSubStep, h) : h;
+  }
+  if (trial.isLoose) report.flags = report.flags | StepFlag::TrialLimitReached;
+  if (trial.isSmallest && !isLast) report.flags = report.flags | StepFlag::SmallestSubStepReached;
+}
+
+/// Trials from 0 until dt, or until a state is accepted that is not finite. Returns the time reached.
+double GranularSystem::Impl::integrate(double dt, StepReport& report) {
+  double t = 0.0;
+  while (t < dt) {
+    evaluateNow(t);
+    report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
+    const Trial trial = planTrial(dt, dt - t, report);
+    const double end = dt - t <= trial.length ? dt : t + trial.length;
+    equations.beginTrial(startSummary);
+    stepper->trial(equations, y, t, trial.length);
+
+    const auto stepStart = Clock::now();
+    const double error = scaledError() / (trial.isLoose ? kLooseTolerance : 1.0);
+    const bool accepted = judge(trial, error);
+    if (accepted) {
+      acceptTrial(trial, end == dt, report);
+      t = end;
+    } else {
+      ++report.rejectedTrials;
+    }
+    evaluation.stageSeconds[static_cast<int>(Stage::AdvanceState)] +=
+        std::chrono::duration<double>(Clock::now() - stepStart).count();
+    if (accepted && !std::isfinite(error)) return t;
+  }
+  return dt;
+}
+
+}  // namespace granular

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "granular/dynamics/step_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace granular {
+namespace {
+
+TEST(StepControl, AcceptsWithinToleranceOnly) {
+  StepControl control(5);
+  EXPECT_TRUE(control.judge(0.1, 1.0));
+  EXPECT_FALSE(control.judge(0.1, 1.0001));
+  EXPECT_FALSE(control.judge(0.1, std::nan("")));
+}
+
+TEST(StepControl, AimsAtTheAllowedError) {
+  StepControl control(5);
+  control.judge(0.1, 32.0);  // five halvings of the error are one of the step
+  EXPECT_NEAR(control.propose(1.0, 1.0), 0.9 * 0.05, 1e-12);
+}
+
+TEST(StepControl, LeavesNoTinyLastSubStep) {
+  StepControl control(5);
+  control.shorten(0.1);
+  EXPECT_DOUBLE_EQ(control.propose(0.101, 1.0), 0.0505);
+  EXPECT_DOUBLE_EQ(control.propose(0.1, 1.0), 0.1);
+  EXPECT_DOUBLE_EQ(control.propose(0.5, 1.0), 0.1);
+}
+
+TEST(StepControl, GoesToTheBoundWhereThereIsNoErrorEstimate) {
+  StepControl control(0);
+  EXPECT_DOUBLE_EQ(control.propose(1.0, 0.1), 0.1);
+  EXPECT_TRUE(control.judge(0.1, 0.0));
+  EXPECT_DOUBLE_EQ(control.propose(1.0, 0.2), 0.2);
+}
+
+}  // namespace
+}  // namespace granular

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "granular/dynamics/step_method.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "granular/dynamics/runge_kutta.h"
+
+namespace granular {
+namespace {
+
+/// A mass on a spring and a damper: y = (x, v), x' = v, v' = -x - c v.
+class Oscillator : public Equations {
+ public:
+  explicit Oscillator(double damping = 0.0) : damping_(damping) {}
+
+  void evaluate(const Moment&, const std::vector<double>& y, std::vector<double>& rate) override {
+    ++evaluations;
+    rate[0] = y[1];
+    rate[1] = -y[0] - damping_ * y[1];
+  }
+  void drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
+             std::vector<double>& to) override {
+    to[0] = y[0] + drift.time * (y[1] + drift.poseKick * rate[1]);
+    to[1] = y[1] + drift.kick * rate[1];
+  }
+  void kick(const std::vector<double>& y, double first, const std::vector<double>& rate0, double second,
+            const std::vector<double>& rate1, std::vector<double>& to) override {
+    to[1] = y[1] + first * rate0[1] + second * rate1[1];
+  }
+  void normalize(std::vector<double>&) override {}
+  const Executor& executor() const override { return executor_; }
+  std::size_t errorCount(const std::vector<double>& y) const override { return y.size(); }
+
+  /// The motion from (1, 0) after t.
+  std::vector<double> exact(double t) const {
+    const double decay = 0.5 * damping_, w = std::sqrt(1.0 - decay * decay), e = std::exp(-decay * t);
+    return {e * (std::cos(w * t) + decay / w * std::sin(w * t)), -e / w * std::sin(w * t)};
+  }
+
+  int evaluations = 0;
+
+ private:
+  double damping_;
+  Executor executor_{1};
+};
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+/// State after `steps` equal steps until `time`, from (1, 0).
+std::vector<double> run(StepMethod& method, Oscillator& oscillator, double time, int steps) {
+  std::vector<double> y{1.0, 0.0};
+  const double h = time / steps;
+  bool isCurrent = false;
+  for (int i = 0; i < steps; ++i) {
+    if (!isCurrent) method.start(oscillator, {.time = i * h}, y);
+    method.trial(oscillator, y, i * h, h);
+    y.swap(method.result());
+    isCurrent = method.accept(h);
+  }
+  return y;
+}
+
+/// How fast the error falls when steps are halved.
+double measuredOrder(Stepper stepper, double damping, int steps) {
+  const double time = 5.0;  // no whole turn: there Euler, conjugate to leapfrog, is of second order
+  const auto errorOf = [&](int count) {
+    Oscillator oscillator(damping);
+    return distance(run(*makeStepMethod(stepper), oscillator, time, count), oscillator.exact(time));
+  };
+  return std::log2(errorOf(steps) / errorOf(2 * steps));
+}
+
+TEST(RungeKutta, TablesSatisfyTheConditionsOfAButcherTable) {
+  for (const RungeKuttaTable& table : {kRkf45, kBogackiShampine}) {
+    double sum = 0.0, sumOfOther = 0.0;
+    for (int s = 0; s < table.stages; ++s) {
+      double row = 0.0;
+      for (int j = 0; j < s; ++j) row += table.a[s][j];
+      EXPECT_NEAR(row, table.c[s], 1e-15);
+      sum += table.b[s];
+      sumOfOther += table.other[s];
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-15);
+    EXPECT_NEAR(sumOfOther, 1.0, 1e-15);
+  }
+}
+
+TEST(RungeKutta, SeesTheTimeOfEachStage) {
+  class Power : public Oscillator {  // y' = 5 t^4 is integrated exactly by a method of order five
+    void evaluate(const Moment& at, const std::vector<double>&, std::vector<double>& rate) override {
+      rate[0] = 5.0 * std::pow(at.time, 4);
+    }
+  } power;
+  RungeKutta method(kRkf45);
+  method.start(power, {.time = 1.0}, {0.0});
+  method.trial(power, {0.0}, 1.0, 0.5);
+  EXPECT_NEAR(method.result()[0], std::pow(1.5, 5) - 1.0, 1e-12);
+}
+
+struct StepperFacts {
+  Stepper stepper;
+  const char* name;
+  int order, orderDamped;
+  int errorOrder;   ///< of the estimate; 0: none
+  int evaluations;  ///< a step
+};
+
+class EveryStepper : public testing::TestWithParam<StepperFacts> {};
+
+TEST_P(EveryStepper, HasItsOrderOnAnOscillator) {
+  EXPECT_NEAR(measuredOrder(GetParam().stepper, 0.0, 80), GetParam().order, 0.2);
+}
+
+TEST_P(EveryStepper, HasItsOrderWithDamping) {
+  EXPECT_NEAR(measuredOrder(GetParam().stepper, 0.4, 80), GetParam().orderDamped, 0.2);
+}
+
+TEST_P(EveryStepper, EvaluatesAsOftenAsItSays) {
+  Oscillator oscillator;
+  run(*makeStepMethod(GetParam().stepper), oscillator, 1.0, 100);
+  EXPECT_NEAR(oscillator.evaluations / 100.0, GetParam().evaluations, 0.011);  // and one to start with
+}
+
+TEST_P(EveryStepper, EstimatesAnErrorThatFallsWithItsPowerOfTheStep) {
+  const auto method = makeStepMethod(GetParam().stepper);
+  ASSERT_EQ(method->errorOrder(), GetParam().errorOrder);
+  const auto estimate = [&](int steps) {
+    Oscillator oscillator;
+    run(*method, oscillator, 1.0, steps);
+    return std::hypot(method->error()[0], method->error()[1]);
+  };
+  if (GetParam().errorOrder == 0) {
+    estimate(1);
+    EXPECT_TRUE(method->error().empty());
+  } else {
+    EXPECT_NEAR(std::log2(estimate(20) / estimate(40)), GetParam().errorOrder, 0.15);
+  }
+}
+
+TEST_P(EveryStepper, LeavesNoTraceOfARejectedTrial) {
+  Oscillator oscillator;
+  const auto method = makeStepMethod(GetParam().stepper), fresh = makeStepMethod(GetParam().stepper);
+  const std::vector<double> y{1.0, 0.0};
+  method->start(oscillator, {}, y);
+  method->trial(oscillator, y, 0.0, 3.0);  // far too long
+  method->trial(oscillator, y, 0.0, 0.1);
+  fresh->start(oscillator, {}, y);
+  fresh->trial(oscillator, y, 0.0, 0.1);
+  EXPECT_EQ(y, (std::vector<double>{1.0, 0.0}));
+  EXPECT_EQ(method->result(), fresh->result());
+  EXPECT_EQ(method->error(), fresh->error());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    StepMethod, EveryStepper,
+    testing::Values(StepperFacts{Stepper::Rkf45, "Rkf45", 5, 5, 5, 6},
+                    StepperFacts{Stepper::Leapfrog, "Leapfrog", 2, 2, 3, 1},
+                    StepperFacts{Stepper::Verlet, "Verlet", 2, 1, 0, 1},
+                    StepperFacts{Stepper::SemiImplicitEuler, "SemiImplicitEuler", 1, 1, 0, 1},
+                    StepperFacts{Stepper::BogackiShampine, "BogackiShampine", 3, 3, 3, 3}),
+    [](const auto& facts) { return facts.param.name; });
+
+TEST(KickDrift, KeepsTheEnergyOfAnOscillatorOverManyTurns) {
+  // Symplectic: the energy swings by h^2/4 of itself and has no trend.
+  for (const Stepper stepper : {Stepper::Leapfrog, Stepper::Verlet}) {
+    Oscillator oscillator;
+    const double h = 0.1;
+    const std::vector<double> y = run(*makeStepMethod(stepper), oscillator, 1e4, 100000);
+    EXPECT_NEAR(y[0] * y[0] + y[1] * y[1], 1.0, 0.25 * h * h * 1.01);
+  }
+}
+
+}  // namespace
+}  // namespace granular
