@@ -56,6 +56,7 @@ Json sceneInfo(const SceneDef& def) {
           {"frameRate", def.frameRate},
           {"ticksPerFrame", def.ticksPerFrame},
           {"stepper", stepperNames().at(static_cast<std::size_t>(def.integrator.stepper))},
+          {"fixedSubStep", def.integrator.fixedSubStep},
           {"tolerance", def.integrator.tolerance},
           {"contactTimeFraction", def.integrator.contactTimeFraction},
           {"eventFraction", def.integrator.eventFraction},

@@ -113,6 +113,7 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
   JsonObject object(place);
   granular::IntegratorDef def;
   def.stepper = static_cast<granular::Stepper>(object.choice("stepper", stepperNames(), 0));
+  def.fixedSubStep = object.number("fixedSubStep", Range::notNegative(), def.fixedSubStep);
   def.tolerance = object.number("tolerance", Range::positive(), def.tolerance);
   def.contactTimeFraction = object.number("contactTimeFraction", {.low = 0.0, .high = 0.3, .openLow = true},
                                           def.contactTimeFraction);
@@ -209,7 +210,8 @@ Box readBox(JsonObject& object) {
 }
 
 const std::vector<std::string>& stepperNames() {
-  static const std::vector<std::string> names = {"rkf45"};
+  static const std::vector<std::string> names = {"rkf45", "leapfrog", "verlet", "semiImplicitEuler",
+                                                 "bogackiShampine"};
   return names;
 }
 

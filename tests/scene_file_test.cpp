@@ -135,13 +135,15 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/seed", -4, "seed: value -4; allowed: an integer >= 0"},
         Mistake{"/gravity", {0, -9.81}, "gravity: value [0,-9.81]; allowed: three numbers [x, y, z]"},
         Mistake{"/gravity", {0, "g", 0}, "gravity[1]: value \"g\"; allowed: a number"},
-        Mistake{"/integrator/stepper", "euler", "integrator.stepper: value \"euler\"; allowed: one of rkf45"},
+        Mistake{"/integrator/stepper", "euler",
+                "integrator.stepper: value \"euler\"; allowed: one of rkf45, leapfrog, "
+                "verlet, semiImplicitEuler, bogackiShampine"},
         Mistake{"/integrator/tolerance", 0, "integrator.tolerance: value 0; allowed: a number > 0"},
         Mistake{"/integrator/contactTimeFraction", 0.5,
                 "integrator.contactTimeFraction: value 0.5; allowed: a number in (0, 0.3]"},
         Mistake{"/integrator/speed", 1,
-                "integrator.speed: unknown key; allowed here: stepper, tolerance, contactTimeFraction, "
-                "eventFraction, eventContacts, smallestSubStep, trialLimit"},
+                "integrator.speed: unknown key; allowed here: stepper, fixedSubStep, tolerance, "
+                "contactTimeFraction, eventFraction, eventContacts, smallestSubStep, trialLimit"},
         Mistake{"/integrator/eventFraction", 2,
                 "integrator.eventFraction: value 2; allowed: a number in (0, 1]"},
         Mistake{"/integrator/eventContacts", -1,

@@ -29,7 +29,7 @@ class Oscillator : public Equations {
             const std::vector<double>& rate1, std::vector<double>& to) override {
     to[1] = y[1] + first * rate0[1] + second * rate1[1];
   }
-  void normalize(std::vector<double>&) override {}
+  void finish(const std::vector<double>&, double, std::vector<double>&) override {}
   const Executor& executor() const override { return executor_; }
   std::size_t errorCount(const std::vector<double>& y) const override { return y.size(); }
 
@@ -131,11 +131,10 @@ TEST_P(EveryStepper, EstimatesAnErrorThatFallsWithItsPowerOfTheStep) {
   const auto estimate = [&](int steps) {
     Oscillator oscillator;
     run(*method, oscillator, 1.0, steps);
-    return std::hypot(method->error()[0], method->error()[1]);
+    return method->error().empty() ? 0.0 : std::hypot(method->error()[0], method->error()[1]);
   };
   if (GetParam().errorOrder == 0) {
-    estimate(1);
-    EXPECT_TRUE(method->error().empty());
+    EXPECT_EQ(estimate(20), 0.0);
   } else {
     EXPECT_NEAR(std::log2(estimate(20) / estimate(40)), GetParam().errorOrder, 0.15);
   }

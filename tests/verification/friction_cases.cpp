@@ -8,6 +8,7 @@
 
 #include "granular/base/random.h"
 #include "tests/verification/impact.h"
+#include "tests/verification/stepper_settings.h"
 #include "tests/verification/verification_case.h"
 
 namespace granular::verification {
@@ -122,11 +123,12 @@ class Incline {
 };
 
 /// At rest below the angle of friction, a = g (sin - mu cos) above.
-std::vector<Check> inclineThreshold(Rider rider, ShearLaw law, double mu) {
+std::vector<Check> inclineThreshold(Rider rider, ShearLaw law, double mu,
+                                    const IntegratorDef& integrator = {}) {
   std::vector<Check> checks;
   const double radius = 0.01;
   for (const double part : {0.5, 0.95, 0.99}) {
-    Incline incline(rider, calmPair(law, mu), radius);
+    Incline incline(rider, calmPair(law, mu), radius, integrator);
     incline.run(0.2);
     incline.tilt(std::atan(part * mu), 0.3);
     incline.run(0.3);
@@ -136,7 +138,7 @@ std::vector<Check> inclineThreshold(Rider rider, ShearLaw law, double mu) {
     checks.push_back(absolute("creep at " + text(part) + " of the limit, R/s", 0.0, creep, 1e-6));
   }
   for (const double part : {1.01, 1.5}) {
-    Incline incline(rider, calmPair(law, mu), radius);
+    Incline incline(rider, calmPair(law, mu), radius, integrator);
     incline.run(0.2);
     const double angle = std::atan(part * mu);
     incline.tilt(angle, 0.3);
@@ -392,9 +394,9 @@ std::vector<Check> closedCycle(int turns) {
 }
 
 /// D turns with the contact: the plane turns about its normal, and gravity's slope with it.
-std::vector<Check> turningContact() {
+std::vector<Check> turningContact(const IntegratorDef& integrator) {
   const double radius = 0.01, mu = 0.5, angle = std::atan(0.8 * mu), rate = 0.5;
-  GranularSystem system({.gravity = tiltedGravity(0.0), .integrator = {.tolerance = 1e-6}});
+  GranularSystem system({.gravity = tiltedGravity(0.0), .integrator = integrator});
   const MaterialDef def{.name = "stone", .youngsModulus = 1e7};
   const MaterialId stone = system.addMaterial(def), floor = system.addMaterial(def);
   system.setMaterialPair(stone, floor, calmPair(ShearLaw::StaticFriction, mu));
@@ -545,7 +547,18 @@ void addFrictionCases(CaseList& cases) {
   add("three-spheres.1cm", [] { return threeSpheres(0.01); });
   add("three-spheres.2mm", [] { return threeSpheres(0.002); });
   add("closed-load-cycle.10000-turns", [] { return closedCycle(10000); });
-  add("friction-turns-with-the-contact", turningContact);
+  for (const StepperSettings& s : everyStepper(5e-5, 1e-7)) {
+    add("friction-turns-with-the-contact." + s.name, [=] { return turningContact(s.integrator); });
+  }
+  for (const StepperSettings& s : everyStepper(5e-5)) {
+    if (s.integrator.stepper == Stepper::Rkf45) continue;  // above
+    for (const ShearLaw law : {ShearLaw::Coulomb, ShearLaw::StaticFriction}) {
+      add("incline.clump." + nameOf(law) + ".mu-0.5." + s.name,
+          [=] { return inclineThreshold(Rider::Clump, law, 0.5, s.integrator); });
+    }
+    add("incline.block.law19.mu-0.5." + s.name,
+        [=] { return inclineThreshold(Rider::Block, ShearLaw::StaticFriction, 0.5, s.integrator); });
+  }
   for (const ShearLaw law :
        {ShearLaw::Viscous, ShearLaw::Coulomb, ShearLaw::RegularisedCoulomb, ShearLaw::StaticFriction}) {
     add("never-adds-energy." + nameOf(law), [=] { return neverAddsEnergy(law); });

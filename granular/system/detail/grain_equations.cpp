@@ -17,6 +17,15 @@ Eigen::Map<Vector3> vectorAt(double* own, int place) {
   return Eigen::Map<Vector3>(own + place);
 }
 
+Quaternion readQuaternion(const double* own) {
+  const double* q = own + state::kOrientation;
+  return {q[0], q[1], q[2], q[3]};
+}
+void writeQuaternion(const Quaternion& q, double* own) {
+  double* out = own + state::kOrientation;
+  out[0] = q.w(), out[1] = q.x(), out[2] = q.y(), out[3] = q.z();
+}
+
 /// Orientation after t seconds in which nothing turns the owner.
 Quaternion turned(const Owner& owner, const Quaternion& orientation, const Vector3& angularMomentum,
                   double t) {
@@ -55,11 +64,8 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
       };
       vectorAt(out, state::kPosition) =
           vectorAt(own, state::kPosition) + drift.time * momentum(state::kVelocity, drift.poseKick);
-      const double* q = own + state::kOrientation;
-      const Quaternion orientation = turned(layout.owners[o], {q[0], q[1], q[2], q[3]},
-                                            momentum(state::kAngularMomentum, drift.poseKick), drift.time);
-      double* p = out + state::kOrientation;
-      p[0] = orientation.w(), p[1] = orientation.x(), p[2] = orientation.y(), p[3] = orientation.z();
+      const Vector3 L = momentum(state::kAngularMomentum, drift.poseKick);
+      writeQuaternion(turned(layout.owners[o], readQuaternion(own), L, drift.time), out);
       vectorAt(out, state::kVelocity) = momentum(state::kVelocity, drift.kick);
       vectorAt(out, state::kAngularMomentum) = momentum(state::kAngularMomentum, drift.kick);
     }
@@ -81,10 +87,19 @@ void GrainEquations::kick(const std::vector<double>& y, double first, const std:
   for (std::size_t i = owners * state::kSize; i < evaluation_.stateSize(); ++i) sum(i);
 }
 
-void GrainEquations::normalize(std::vector<double>& y) {
-  executor().forRanges(evaluation_.layout().dynamicCount(), 4096, [&](std::int64_t begin, std::int64_t end) {
+void GrainEquations::finish(const std::vector<double>& y, double h, std::vector<double>& to) {
+  const Layout& layout = evaluation_.layout();
+  executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t o = begin; o < end; ++o) {
-      Eigen::Map<Eigen::Vector4d>(y.data() + o * state::kSize + state::kOrientation).normalize();
+      const Owner& owner = layout.owners[o];
+      const double* own = y.data() + o * state::kSize;
+      double* out = to.data() + o * state::kSize;
+      const Vector3 L = vectorAt(own, state::kAngularMomentum);
+      if (owner.isotropic && !owner.isLocked && L == vectorAt(out, state::kAngularMomentum)) {
+        writeQuaternion(freelyTurned(readQuaternion(own), L, owner.inverseInertia, h), out);
+      } else {
+        Eigen::Map<Eigen::Vector4d>(out + state::kOrientation).normalize();
+      }
     }
   });
 }
