@@ -16,4 +16,8 @@ void addRestitutionCommand(CLI::App& app, int& status);
 /// answers; status 1 if one fails.
 void addVerifyCommand(CLI::App& app, int& status);
 
+/// `work-precision [SCENE] [--spheres-per-side N] [--repeats N] [--out DIR]`: evaluations and run time against
+/// true error for every stepper; status 2 if the reference does not agree with itself.
+void addWorkPrecisionCommand(CLI::App& app, int& status);
+
 }  // namespace granular_bench
