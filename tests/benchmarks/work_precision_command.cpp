@@ -53,7 +53,7 @@ std::vector<Sweep> sweeps(const PrecisionScene& scene) {
   const IntegratorDef base{.contactTimeFraction = 0.3, .eventContacts = 0};
   std::vector<Sweep> all;
   const auto add = [&](const std::string& name, Stepper stepper, bool isFixed) {
-    Sweep sweep{.name = name};
+    Sweep sweep{.name = name, .settings = {}};
     IntegratorDef def = base;
     def.stepper = stepper;
     if (isFixed) {

@@ -12,6 +12,7 @@ using namespace granular;
 
 constexpr double kRadius = 2.5e-3;  // of particles, m
 constexpr double kHorizon = 4e-3;   // s; some eight contact times
+constexpr double kStirring = 1.0;   // m/s, given to each grain of a flow
 const Vector3 kAside(0.0, -1e3, 0.0);
 
 /// Where walls and floor are bodies, by their order.
@@ -62,12 +63,20 @@ void run(GranularSystem& system, double seconds) {
   for (int i = 0; i < steps; ++i) system.step(seconds / steps);
 }
 
-/// Takes the right wall away and lets the heap flow.
+/// Takes the right wall away, stirs the heap so that every grain collides, and lets it flow.
 void breakDam(GranularSystem& system) {
   run(system, 0.1);
   const std::int32_t wall = kRight;
   system.setBodyMotion({wall, 0}, {.pose = {.position = kAside + Vector3(1e3, 0.0, 0.0)}});
   run(system, 0.05);
+  Random random(11);
+  const auto grains = system.grainMotions();
+  for (std::int32_t g = 0; g < system.grainCount(); ++g) {
+    RigidMotion motion = grains[g];
+    motion.velocity += random.rotation() * Vector3(kStirring, 0.0, 0.0);
+    system.setGrainMotion({g, 0}, motion);
+  }
+  run(system, 0.005);
 }
 
 void addBall(GranularSystem& system, double height) {
