@@ -9,6 +9,10 @@ class App;
 
 namespace granular_bench {
 
+/// `peers [--lammps FILE] [--particles N] [--steps N] [--repeats N] [--only TEXT]`: ours against LAMMPS,
+/// answers first; throws std::runtime_error if they differ.
+void addPeersCommand(CLI::App& app, int& status);
+
 /// `restitution [--out DIR]`: figure 3 of the paper, PNG and CSV.
 void addRestitutionCommand(CLI::App& app, int& status);
 
