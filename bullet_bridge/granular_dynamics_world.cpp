@@ -39,6 +39,10 @@ granular::BodyId GranularDynamicsWorld::bodyIdOf(const btRigidBody& body) const 
   return layer_->idOf(body);
 }
 
+granular::Pose GranularDynamicsWorld::massFrameOf(const btRigidBody& body) const {
+  return layer_->massFrameOf(body);
+}
+
 void GranularDynamicsWorld::setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner) {
   layer_->setPairOwner(a, b, owner);
 }

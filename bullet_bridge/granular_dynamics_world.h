@@ -46,9 +46,19 @@ enum class SurfaceContact : std::uint8_t {
   Exact,
 };
 
+/// Where a dynamic body has its mass. The amount is the btRigidBody's own.
+enum class MassSource : std::uint8_t {
+  /// Centre of mass and inertia of the solid within the surface, exact (shapeMass). The btRigidBody's
+  /// transform,
+  /// velocity and joint frames keep meaning the frame that its owner drew it in. Where the surface is unknown
+  /// (CoverBodyDef::covering) the btRigidBody's own.
+  Solid,
+  Body,  ///< the btRigidBody's origin, axes and inertia: say so where a centre of mass was moved on purpose
+};
+
 /// How a body gets its particles. Whatever is left out follows from the btRigidBody.
 struct CoverBodyDef {
-  /// Exact: nothing below but `material` may be set.
+  /// Exact: nothing below but `mass` and `material` may be set.
   SurfaceContact contact = SurfaceContact::Particles;
 
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
@@ -60,7 +70,9 @@ struct CoverBodyDef {
   std::optional<double> density = std::nullopt;
   std::uint64_t seed = 1;
 
-  /// Ready particles, body frame (origin: centre of mass).
+  MassSource mass = MassSource::Solid;
+
+  /// Ready particles, btRigidBody's frame.
   std::optional<granular::Covering> covering = std::nullopt;
   /// Covered in place of the collision shape, body frame.
   std::optional<granular::TriangleMesh> surface = std::nullopt;
@@ -103,9 +115,9 @@ class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
   std::vector<granular::GrainId> addPile(const PileDef& def);
 
   /// From the next tick on the body meets grains and other covered bodies through particles on its surface.
-  /// Mass and inertia stay the body's own. Throws std::invalid_argument: covered already, not in this world,
-  /// a dynamic body without mass, a transform or velocity that is not finite, a shape without a known
-  /// surface, a shape that cannot be met exactly where that is asked for, a bad def.
+  /// The body's mass stays its own; where it has it: MassSource. Throws std::invalid_argument: covered
+  /// already, not in this world, a dynamic body without mass, a transform or velocity that is not finite, a
+  /// shape without a known surface, a shape that cannot be met exactly where that is asked for, a bad def.
   granular::BodyId coverBody(btRigidBody& body, const CoverBodyDef& def = {});
   /// Gives the body back to Bullet as it moves now. Taking a body out of the world does the same.
   void uncoverBody(btRigidBody& body);
@@ -114,6 +126,10 @@ class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
   /// from 0, its kinematic flag, collision filter, friction or restitution: such a change makes a new body in
   /// the core. Throws std::invalid_argument if the body is not covered.
   granular::BodyId bodyIdOf(const btRigidBody& body) const;
+  /// Where the core's body of that name stands in the btRigidBody's frame: at the true centre of mass, along
+  /// the principal axes; the identity where that is the btRigidBody's own frame. Angular impulses are about
+  /// its origin. Throws std::invalid_argument if the body is not covered.
+  granular::Pose massFrameOf(const btRigidBody& body) const;
   /// Both bodies must be covered. Holds until one of them is uncovered.
   void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
 

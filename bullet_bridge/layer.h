@@ -17,19 +17,14 @@
 #include <variant>
 #include <vector>
 
+#include "bullet_bridge/bullet_state.h"
 #include "bullet_bridge/exact_shape.h"
 #include "bullet_bridge/granular_dynamics_world.h"
+#include "bullet_bridge/mass_frames.h"
 
 namespace bullet_bridge {
 inline namespace BULLET_BRIDGE_PRECISION {
 namespace detail {
-
-/// What Bullet holds of a body's motion.
-struct BulletState {
-  btTransform transform;
-  btVector3 velocity;
-  btVector3 angularVelocity;
-};
 
 /// What a core body is made from besides its motion; a change of it makes a new core body.
 struct BodyMake {
@@ -44,6 +39,7 @@ struct BodyMake {
 struct BodySettings {
   double mass = 0.0;
   granular::Vector3 principalInertia = granular::Vector3::Zero();
+  granular::Vector3 inverseInertia = granular::Vector3::Zero();  ///< 0 for a body that does not turn
   granular::Vector3 linearFactor = granular::Vector3::Zero();
   granular::Vector3 angularFactor = granular::Vector3::Zero();
   friend bool operator==(const BodySettings&, const BodySettings&) = default;
@@ -55,11 +51,13 @@ struct CoveredBody {
   BodyMake make;
   BodySettings settings;
   bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
-  double boundingRadius = 0.0;       ///< of the covering about the body's origin, m; 0 for a plane
+  double boundingRadius = 0.0;       ///< of the covering about the core body's origin, m; 0 for a plane
   std::optional<granular::ExactSurface> exact;  ///< met instead of particles
-  /// Of the core's body in Bullet's body frame: the core's half-space ends at y = 0 of its own frame. Else
-  /// the identity.
-  granular::Pose surfaceFrame;
+  /// Of the core's body in Bullet's body frame: true centre of mass and principal axes; a plane's foot and
+  /// normal, as the core's half-space ends at y = 0 of its own frame. The identity where the two agree.
+  granular::Pose coreFrame;
+  /// Principal moments for each kg, m^2, along coreFrame's axes; none: the btRigidBody's own.
+  std::optional<granular::Vector3> momentsPerMass;
 
   BulletState written;           ///< as last agreed with Bullet: a difference is the program's doing
   bool hasGravityForce = false;  ///< Bullet's total force holds gravity in this stepSimulation
@@ -88,15 +86,18 @@ struct CoveredBody {
   granular::Pose push;  ///< the solver's position correction (split impulse): a shift and a turn
 };
 
-bool isFinite(const BulletState& state);
 /// Bullet's solver changed what was offered to it: joints or foreign contacts touched the body in this tick.
 bool isCorrected(const CoveredBody& covered);
-BulletState stateOf(const btRigidBody& body);
 /// Whether the core lets the two meet: it finds contacts of moving particles, never of two exact surfaces.
 bool meetInCore(const CoveredBody& a, const CoveredBody& b);
 /// Mass, inertia and factors as they stand; a held body has no freedom at all, a body without inertia does
 /// not turn.
-BodySettings settingsOf(const btRigidBody& body, bool held);
+BodySettings settingsOf(const CoveredBody& covered, bool held);
+/// The motion of Bullet's origin and axes of the body, and of the core's.
+granular::RigidMotion bulletMotion(const CoveredBody& covered, const granular::RigidMotion& core);
+granular::RigidMotion coreMotion(const CoveredBody& covered, const granular::RigidMotion& bullet);
+/// From Bullet's origin of the body to the core's, along the core's body axes, m.
+granular::Vector3 leverOf(const CoveredBody& covered);
 
 class Layer {
  public:
@@ -114,6 +115,7 @@ class Layer {
   void uncover(btRigidBody& body);
   bool isCovered(const btRigidBody& body) const { return slots_.contains(&body); }
   granular::BodyId idOf(const btRigidBody& body) const;
+  granular::Pose massFrameOf(const btRigidBody& body) const;
   void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
 
   // ---- stages of a stepSimulation
@@ -148,6 +150,7 @@ class Layer {
 
   void checkCoverable(const btRigidBody& body) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
+  void takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const;
   double defaultParticleRadius(const std::vector<ShapePart>& parts) const;
   granular::MaterialId bodyMaterial(const btRigidBody& body);
   granular::MaterialId pileMaterial();
@@ -166,8 +169,9 @@ class Layer {
   void takeDynamicState(CoveredBody& covered);
   void prepareDynamic(CoveredBody& covered);
   void applyLoad(CoveredBody& covered);
+  void showMassFrames();
   granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;
-  void write(CoveredBody& covered, const granular::RigidMotion& motion);
+  void write(CoveredBody& covered, const granular::RigidMotion& core);
   void wake(CoveredBody& covered);
   bool isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const;
   bool isNearMovingBody(const CoveredBody& covered, double dt) const;
@@ -185,6 +189,7 @@ class Layer {
   std::set<Pair> filteredOut_;  // by the program's overlap filter, asked when a body is covered
   std::set<Pair> excluded_;     // as the core knows it now
   std::vector<std::pair<btPersistentManifold*, int>> silenced_;
+  MassFrames massFrames_;
   bool wakeAll_ = false;  // something that may have held a body up has gone
 };
 

@@ -4,6 +4,7 @@ list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/bridge_exact_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_joint_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_kinematic_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_mass_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_motion_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_pair_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_shape_covering_test.cpp
