@@ -2,7 +2,7 @@
 // Bullet shapes that the core meets as they are, without particles: spheres and planes.
 #pragma once
 
-#include "bullet_bridge/granular_dynamics_world.h"
+#include "bullet_bridge/layer_door.h"
 #include "granular/geometry/exact_surface.h"
 
 namespace bullet_bridge {

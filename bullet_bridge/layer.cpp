@@ -129,8 +129,8 @@ double smallestGrainParticle(const granular::GranularSystem& system) {
 
 }  // namespace
 
-Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def)
-    : world_(world), def_(def), system_(systemDef(world, def)) {}
+Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAreTold)
+    : world_(world), def_(def), framesAreTold_(framesAreTold), system_(systemDef(world, def)) {}
 
 // ---- grains
 
@@ -158,6 +158,7 @@ std::vector<granular::GrainId> Layer::addPile(const PileDef& def) {
                                        .scale = grain.scale,
                                        .filter = def.filter}));
   }
+  if (queries_) queries_->update(system_);
   return grains;
 }
 
@@ -258,6 +259,8 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
     covered.boundingRadius = boundingRadiusOf(covering);
   }
   covered.make = makeOf(covered);
+  covered.worldIndex = body.getWorldArrayIndex();
+  covered.proxyId = body.getBroadphaseHandle()->m_uniqueId;
   covered.written = stateOf(body);
   covered.frameEnd = fromBullet(body.getWorldTransform());
   addToSystem(covered, std::move(covering),
@@ -270,14 +273,38 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   return covered.id;
 }
 
-void Layer::uncover(btRigidBody& body) {
-  const std::size_t slot = static_cast<std::size_t>(&slotOf(body) - bodies_.data());
+void Layer::uncover(const btRigidBody& body) {
+  const auto found = slots_.find(&body);
+  if (found == slots_.end()) throw std::invalid_argument("uncoverBody: the body is not covered");
+  drop(found->second);
+}
+
+/// Touches the body's address only.
+void Layer::drop(std::size_t slot) {
   system_.removeBody(bodies_[slot].id);
-  for (std::set<Pair>* pairs : {&bulletOwned_, &filteredOut_, &excluded_}) forgetPairsOf(body, *pairs);
+  for (std::set<Pair>* pairs : {&bulletOwned_, &filteredOut_, &excluded_})
+    forgetPairsOf(*bodies_[slot].body, *pairs);
   bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(slot));
   slots_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) slots_[bodies_[i].body] = i;
   wakeAll_ = true;
+}
+
+/// Bullet tells nobody that a body went, and another may have been given its address: the proxy's number
+/// tells them apart.
+bool Layer::isInWorld(CoveredBody& covered) const {
+  const auto& objects = world_.getCollisionObjectArray();
+  if (covered.worldIndex >= objects.size() || objects[covered.worldIndex] != covered.body) {
+    covered.worldIndex = objects.findLinearSearch(covered.body);
+  }
+  return covered.worldIndex < objects.size() && covered.body->getBroadphaseHandle() &&
+         covered.body->getBroadphaseHandle()->m_uniqueId == covered.proxyId;
+}
+
+void Layer::forgetRemoved() {
+  for (std::size_t i = bodies_.size(); i-- > 0;) {
+    if (!isInWorld(bodies_[i])) drop(i);
+  }
 }
 
 granular::BodyId Layer::idOf(const btRigidBody& body) const {
@@ -290,12 +317,6 @@ granular::Pose Layer::massFrameOf(const btRigidBody& body) const {
   const CoveredBody* covered = find(&body);
   if (!covered) throw std::invalid_argument("massFrameOf: the body is not covered");
   return covered->coreFrame;
-}
-
-CoveredBody& Layer::slotOf(const btRigidBody& body) {
-  const auto found = slots_.find(&body);
-  if (found == slots_.end()) throw std::invalid_argument("uncoverBody: the body is not covered");
-  return bodies_[found->second];
 }
 
 const CoveredBody* Layer::find(const btCollisionObject* object) const {

@@ -19,7 +19,8 @@
 
 #include "bullet_bridge/bullet_state.h"
 #include "bullet_bridge/exact_shape.h"
-#include "bullet_bridge/granular_dynamics_world.h"
+#include "bullet_bridge/grain_queries.h"
+#include "bullet_bridge/layer_door.h"
 #include "bullet_bridge/mass_frames.h"
 
 namespace bullet_bridge {
@@ -59,8 +60,10 @@ struct CoveredBody {
   /// Principal moments for each kg, m^2, along coreFrame's axes; none: the btRigidBody's own.
   std::optional<granular::Vector3> momentsPerMass;
 
-  BulletState written;           ///< as last agreed with Bullet: a difference is the program's doing
-  bool hasGravityForce = false;  ///< Bullet's total force holds gravity in this stepSimulation
+  int worldIndex = -1;  ///< where the world's array had it last
+  int proxyId = -1;     ///< unique for each time a body is added to a world
+
+  BulletState written;  ///< as last agreed with Bullet: a difference is the program's doing
 
   // Kinematic: the pose runs from where it was to frameEnd while frameTimeLeft counts down.
   granular::Pose frameEnd;
@@ -71,14 +74,13 @@ struct CoveredBody {
   bool isPlane() const { return exact && std::holds_alternative<granular::HalfSpace>(*exact); }
 
   // Dynamic, within one tick.
-  bool held = false;  ///< asleep: stands still in the core
-  btVector3 velocityBeforeDamping;
-  btVector3 angularVelocityBeforeDamping;
+  bool held = false;            ///< asleep: stands still in the core
   btScalar sweepThreshold = 0;  ///< the program's continuous-collision threshold
   int flags = 0;                ///< the program's btRigidBodyFlags
   granular::Pose startPose;     ///< x0
   granular::Vector3 meanAngularVelocity = granular::Vector3::Zero();
   BulletState offered;         ///< before the solver
+  BulletState solved;          ///< after it, before actions
   btVector3 expectedVelocity;  ///< after the solver if nothing touches the body
   btVector3 expectedAngularVelocity;
   granular::Vector3 velocityCorrection = granular::Vector3::Zero();
@@ -101,7 +103,8 @@ granular::Vector3 leverOf(const CoveredBody& covered);
 
 class Layer {
  public:
-  Layer(btDiscreteDynamicsWorld& world, const LayerDef& def);
+  /// @param framesAreTold  beginKinematicFrame is called in every stepSimulation; else it is inferred
+  Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAreTold);
 
   granular::GranularSystem& system() { return system_; }
   const granular::GranularSystem& system() const { return system_; }
@@ -112,20 +115,30 @@ class Layer {
 
   std::vector<granular::GrainId> addPile(const PileDef& def);
   granular::BodyId cover(btRigidBody& body, const CoverBodyDef& def);
-  void uncover(btRigidBody& body);
+  void uncover(const btRigidBody& body);
+  /// Uncovers bodies that are no longer in the world, without touching them: they may be gone.
+  void forgetRemoved();
   bool isCovered(const btRigidBody& body) const { return slots_.contains(&body); }
   granular::BodyId idOf(const btRigidBody& body) const;
   granular::Pose massFrameOf(const btRigidBody& body) const;
   void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
 
+  // ---- reading
+  void readContacts(std::vector<BodyContact>& contacts);
+  void setContactListener(ContactListener listener) { contactListener_ = std::move(listener); }
+  granular::Wrench contactForce(const btRigidBody& body);
+  std::optional<GrainHit> castRay(const granular::Vector3& from, const granular::Vector3& to) const;
+  void readGrainPoses(std::vector<granular::Pose>& poses) const;
+  void showGrainsToQueries(int group, int mask);
+  void hideGrainsFromQueries();
+  std::optional<granular::GrainId> grainOf(const btCollisionObject* object, int childIndex) const;
+
   // ---- stages of a stepSimulation
   void beginFrame();
   void beginKinematicFrame(btScalar frameTime);
-  void noteGravity();
   // ---- stages of a tick, in this order
   void takeChanges(btScalar dt);
   void keepAwake(btScalar dt);
-  void takeDamping();
   void switchSweepsOff();
   void step(btScalar dt);
   void offerMeanMotion(btScalar dt);
@@ -134,6 +147,7 @@ class Layer {
   void takeCorrections();
   void switchSweepsOn();
   void store(btScalar dt);
+  void tellWhatCame();
 
  private:
   using Pair = std::pair<const btRigidBody*, const btRigidBody*>;  // smaller address first
@@ -145,9 +159,10 @@ class Layer {
   };
 
   static Pair makePair(const btRigidBody& a, const btRigidBody& b);
-  CoveredBody& slotOf(const btRigidBody& body);
   const CoveredBody* find(const btCollisionObject* object) const;
 
+  void drop(std::size_t slot);
+  bool isInWorld(CoveredBody& covered) const;
   void checkCoverable(const btRigidBody& body) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
   void takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const;
@@ -166,10 +181,13 @@ class Layer {
   void takeKinematicPose(CoveredBody& covered, double dt);
   granular::Pose bulletPose(const CoveredBody& covered) const;
   void runKinematicTo(CoveredBody& covered, const granular::Pose& end, double duration);
-  void takeDynamicState(CoveredBody& covered);
+  void takeDynamicState(CoveredBody& covered, btScalar dt);
+  double kinematicTime(const CoveredBody& covered, const BulletState& now, double dt) const;
   void prepareDynamic(CoveredBody& covered);
   void applyLoad(CoveredBody& covered);
   void showMassFrames();
+  void noteSolved();
+  bool addActions(const CoveredBody& covered, granular::RigidMotion& motion) const;
   granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;
   void write(CoveredBody& covered, const granular::RigidMotion& core);
   void wake(CoveredBody& covered);
@@ -179,6 +197,7 @@ class Layer {
 
   btDiscreteDynamicsWorld& world_;
   LayerDef def_;
+  bool framesAreTold_;
   granular::GranularSystem system_;
   granular::StepReport report_;
   std::vector<CoveredBody> bodies_;
@@ -190,6 +209,10 @@ class Layer {
   std::set<Pair> excluded_;     // as the core knows it now
   std::vector<std::pair<btPersistentManifold*, int>> silenced_;
   MassFrames massFrames_;
+  ContactListener contactListener_;
+  std::vector<BodyContact> contacts_;  // told to the listener
+  double lastTick_ = 0.0;              // s
+  std::unique_ptr<GrainQueries> queries_;
   bool wakeAll_ = false;  // something that may have held a body up has gone
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the program changed, taken over into the core before each tick. Facts about Bullet that the code leans
 // on were read from the source of 3.24.
+#include <LinearMath/btQuickprof.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -72,7 +74,6 @@ void Layer::beginFrame() {
       report_.quarantined = 0;
   report_.largestOverlap = 0.0;
   report_.stageSeconds.fill(0.0);
-  for (CoveredBody& covered : bodies_) covered.hasGravityForce = false;
 }
 
 /// Bullet has just read the poses that kinematic bodies shall have at the END of all ticks of this
@@ -86,13 +87,10 @@ void Layer::beginKinematicFrame(btScalar frameTime) {
   }
 }
 
-void Layer::noteGravity() {
-  for (CoveredBody& covered : bodies_) covered.hasGravityForce = covered.body->isActive();
-}
-
 // ---- what the program did
 
 void Layer::takeChanges(btScalar dt) {
+  BT_PROFILE("granular: take changes");
   system_.setGravity(fromBullet(world_.getGravity()));
   for (CoveredBody& covered : bodies_) {
     remakeIfChanged(covered);
@@ -104,7 +102,7 @@ void Layer::takeChanges(btScalar dt) {
         takeKinematicPose(covered, dt);
         break;
       case BodyMotion::Dynamic:
-        takeDynamicState(covered);
+        takeDynamicState(covered, dt);
         break;
     }
   }
@@ -142,12 +140,32 @@ void Layer::runKinematicTo(CoveredBody& covered, const Pose& end, double duratio
   }
 }
 
+/// Time in which a body goes from the pose last seen to where it is now. If no door told when a
+/// stepSimulation began, it follows from the velocity that Bullet worked out from the two, (x_now - x_old) /
+/// time, over a whole number of ticks; a pose set within a stepSimulation comes without, and is reached
+/// within this tick.
+double Layer::kinematicTime(const CoveredBody& covered, const BulletState& now, double dt) const {
+  if (framesAreTold_) return dt;
+  Vector3 way = fromBullet(now.transform.getOrigin()) - fromBullet(covered.written.transform.getOrigin());
+  Vector3 speed = fromBullet(now.velocity);
+  if (way.isZero(0.0)) {
+    way =
+        turnBetween(fromBullet(covered.written.transform).orientation, fromBullet(now.transform).orientation);
+    speed = fromBullet(now.angularVelocity);
+  }
+  if (speed.isZero(0.0)) return dt;
+  const double ticks = way.dot(speed) / speed.squaredNorm() / dt;
+  const double whole = std::round(ticks);
+  constexpr double kRounding = 0.05;  // of ways of a few thousand roundings of a float position
+  return whole >= 1.0 && std::abs(ticks - whole) < kRounding * whole ? whole * dt : dt;
+}
+
 /// x(t) = x_end - v (t_end - t): Bullet holds the end pose in every tick of a frame, the core gets the one
 /// between. A pose set within the frame (a tick callback) is reached within this tick.
 void Layer::takeKinematicPose(CoveredBody& covered, double dt) {
   const BulletState now = stateOf(*covered.body);
   if (!isSame(now.transform, covered.written.transform) && isFinite(now)) {
-    runKinematicTo(covered, fromBullet(now.transform), dt);
+    runKinematicTo(covered, fromBullet(now.transform), kinematicTime(covered, now, dt));
   }
   RigidMotion motion{.pose = covered.frameEnd};
   if (covered.frameTimeLeft > 0.5 * dt) {  // half a tick: the countdown rounds
@@ -164,9 +182,16 @@ void Layer::takeKinematicPose(CoveredBody& covered, double dt) {
   system_.setBodyMotion(covered.id, motion);
 }
 
+/// A velocity that Bullet has damped and nothing else changed (btRigidBody::applyDamping) loses what the
+/// damping took, so the core's double stands; any other is what the program set.
+void takeVelocity(Vector3& core, const btVector3& now, const btVector3& old, btScalar damping, btScalar dt) {
+  const bool isDamped = isSame(now, old * btPow(btScalar(1) - damping, dt));
+  core = isDamped ? Vector3(core + fromBullet(now) - fromBullet(old)) : fromBullet(now);
+}
+
 /// The core's doubles stand unless Bullet's numbers are not those last written. A state that is not finite is
 /// not taken.
-void Layer::takeDynamicState(CoveredBody& covered) {
+void Layer::takeDynamicState(CoveredBody& covered, btScalar dt) {
   const BulletState now = stateOf(*covered.body);
   const BulletState& old = covered.written;
   RigidMotion motion = system_.bodyMotion(covered.id);
@@ -182,28 +207,13 @@ void Layer::takeDynamicState(CoveredBody& covered) {
     RigidMotion frame = bulletMotion(covered, motion);
     if (!samePlace) frame.pose.position = fromBullet(now.transform.getOrigin());
     if (!sameTurn) frame.pose.orientation = fromBullet(now.transform.getBasis());
-    if (!sameVelocity) frame.velocity = fromBullet(now.velocity);
-    if (!sameSpin) frame.angularVelocity = fromBullet(now.angularVelocity);
-    system_.setBodyMotion(covered.id, coreMotion(covered, frame));
-  }
-  covered.velocityBeforeDamping = now.velocity;
-  covered.angularVelocityBeforeDamping = now.angularVelocity;
-}
-
-/// Bullet damps in its own precision; the core takes the difference, so nothing is lost where there is no
-/// damping.
-void Layer::takeDamping() {
-  for (CoveredBody& covered : bodies_) {
-    if (covered.make.motion != BodyMotion::Dynamic) continue;
     const btRigidBody& body = *covered.body;
-    const Vector3 change = fromBullet(body.getLinearVelocity()) - fromBullet(covered.velocityBeforeDamping);
-    const Vector3 turn =
-        fromBullet(body.getAngularVelocity()) - fromBullet(covered.angularVelocityBeforeDamping);
-    if (change.isZero(0.0) && turn.isZero(0.0)) continue;
-    RigidMotion motion = system_.bodyMotion(covered.id);
-    motion.velocity += change + turn.cross(motion.pose.orientation * leverOf(covered));
-    motion.angularVelocity += turn;
-    system_.setBodyMotion(covered.id, motion);
+    if (!sameVelocity) takeVelocity(frame.velocity, now.velocity, old.velocity, body.getLinearDamping(), dt);
+    if (!sameSpin) {
+      takeVelocity(frame.angularVelocity, now.angularVelocity, old.angularVelocity, body.getAngularDamping(),
+                   dt);
+    }
+    system_.setBodyMotion(covered.id, coreMotion(covered, frame));
   }
 }
 

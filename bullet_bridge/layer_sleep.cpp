@@ -62,14 +62,14 @@ bool Layer::isNearMovingBody(const CoveredBody& covered, double dt) const {
 }
 
 /// Also resets the time after which Bullet puts a resting body to sleep. A body that slept when this
-/// stepSimulation began has missed its gravity.
+/// stepSimulation began has missed its gravity, which Bullet adds to total forces then.
 void Layer::wake(CoveredBody& covered) {
   btRigidBody& body = *covered.body;
+  const bool slept = !body.isActive();
   body.activate();
-  if (covered.hasGravityForce || !body.isActive()) return;
+  if (!slept || !body.isActive() || !body.getTotalForce().isZero()) return;
   if ((body.getFlags() & BT_DISABLE_WORLD_GRAVITY) == 0) body.setGravity(world_.getGravity());
   body.applyGravity();
-  covered.hasGravityForce = true;
 }
 
 }  // namespace detail

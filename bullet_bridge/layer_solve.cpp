@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the core makes of the tick, what Bullet's solver adds, and the result written back. Facts about Bullet
 // that the code leans on were read from the source of 3.24.
+#include <LinearMath/btQuickprof.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -75,7 +77,9 @@ void Layer::step(btScalar dt) {
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion == BodyMotion::Dynamic) prepareDynamic(covered);
   }
+  BT_PROFILE("granular: integrate grains and bodies");
   add(report_, system_.step(dt));
+  lastTick_ = dt;
 }
 
 void Layer::prepareDynamic(CoveredBody& covered) {
@@ -174,6 +178,34 @@ void Layer::takeCorrections() {
                     .orientation = (after.orientation * before.orientation.conjugate()).normalized()};
   }
   massFrames_.hide();
+  noteSolved();
+}
+
+/// Bullet's frame again, for what reads and changes velocities before `store`: actions of the program.
+void Layer::noteSolved() {
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    btRigidBody& body = *covered.body;
+    if (covered.momentsPerMass) {
+      const Vector3 lever = covered.startPose.orientation * leverOf(covered);
+      body.setLinearVelocity(toBullet(Vector3(fromBullet(body.getLinearVelocity()) -
+                                              fromBullet(body.getAngularVelocity()).cross(lever))));
+    }
+    covered.solved = stateOf(body);
+  }
+}
+
+/// Impulses that actions gave after the solver: Bullet makes them part of the next tick's motion.
+bool Layer::addActions(const CoveredBody& covered, RigidMotion& motion) const {
+  const BulletState now = stateOf(*covered.body);
+  const bool sameVelocity = isSame(now.velocity, covered.solved.velocity);
+  const bool sameSpin = isSame(now.angularVelocity, covered.solved.angularVelocity);
+  if ((sameVelocity && sameSpin) || !isFinite(now)) return false;
+  RigidMotion frame = bulletMotion(covered, motion);
+  frame.velocity += fromBullet(now.velocity) - fromBullet(covered.solved.velocity);
+  frame.angularVelocity += fromBullet(now.angularVelocity) - fromBullet(covered.solved.angularVelocity);
+  motion = coreMotion(covered, frame);
+  return true;
 }
 
 bool isCorrected(const CoveredBody& covered) {
@@ -197,6 +229,7 @@ RigidMotion Layer::correctedMotion(const CoveredBody& covered, double dt) const 
 }
 
 void Layer::store(btScalar dt) {
+  BT_PROFILE("granular: store");
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion != BodyMotion::Dynamic) continue;
     const bool active = covered.body->isActive();
@@ -204,9 +237,10 @@ void Layer::store(btScalar dt) {
     RigidMotion motion = system_.bodyMotion(covered.id);
     const bool corrected = isCorrected(covered);
     if (corrected) motion = correctedMotion(covered, dt);
+    const bool pushed = addActions(covered, motion);
     if (!active) motion.velocity = motion.angularVelocity = Vector3::Zero();  // fell asleep in this tick
     if (!isFinite(motion)) motion = {.pose = covered.startPose};
-    if (corrected || !active) system_.setBodyMotion(covered.id, motion);
+    if (corrected || !active || pushed) system_.setBodyMotion(covered.id, motion);
     write(covered, motion);
   }
 }

@@ -158,7 +158,9 @@ TEST(MassFrame, FreeSpinOfAnOffCentreCompoundGoesRoundItsCentreOfMass) {
   EXPECT_LT((fromBullet(body.getAngularVelocity()) - Vector3(0, 0, w)).norm(), tolerance);
   btTransform shown;
   state.getWorldTransform(shown);
-  EXPECT_LT((fromBullet(shown.getOrigin()) - positionOf(body)).norm(), tolerance) << "what is drawn";
+  // Bullet shows motion states a tick late by default, and carries them back by the velocity.
+  const Vector3 late = positionOf(body) - velocityOf(body) / 60.0;
+  EXPECT_LT((fromBullet(shown.getOrigin()) - late).norm(), tolerance) << "what is drawn";
 }
 
 /// Released at 0.1 rad from a pivot at the drawn origin; the box's middle is d below. Period 2 pi sqrt(I / (m
