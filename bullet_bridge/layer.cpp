@@ -183,6 +183,10 @@ void Layer::checkCoverable(const btRigidBody& body) const {
   if (!isFinite(stateOf(body))) {
     throw std::invalid_argument("coverBody: the body's transform or velocity is not finite");
   }
+  granular::require(std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution()),
+                    "coverBody: the body's friction and restitution",
+                    Vector3(body.getFriction(), body.getRestitution(), 0.0).head<2>().transpose(), "",
+                    "finite");
   if (!body.isStaticOrKinematicObject()) {
     granular::require(body.getInvMass() > 0, "coverBody: the body's inverse mass", body.getInvMass(), "1/kg",
                       "> 0 for a dynamic body");
@@ -355,7 +359,8 @@ BodyMake Layer::makeOf(const CoveredBody& covered) {
     make.group = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     make.mask = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
   }
-  if (covered.followsBodyMaterial) make.material = bodyMaterial(body);
+  const bool isUsable = std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution());
+  if (covered.followsBodyMaterial && isUsable) make.material = bodyMaterial(body);
   return make;
 }
 

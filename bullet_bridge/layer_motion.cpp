@@ -91,7 +91,8 @@ void Layer::beginKinematicFrame(btScalar frameTime) {
 
 void Layer::takeChanges(btScalar dt) {
   BT_PROFILE("granular: take changes");
-  system_.setGravity(fromBullet(world_.getGravity()));
+  const Vector3 gravity = fromBullet(world_.getGravity());
+  if (gravity.allFinite()) system_.setGravity(gravity);
   for (CoveredBody& covered : bodies_) {
     remakeIfChanged(covered);
     switch (covered.make.motion) {

@@ -4,6 +4,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "bullet_bridge/convert.h"
@@ -23,6 +24,13 @@ using granular::Vector3;
 bool isFinite(const RigidMotion& m) {
   return m.pose.position.allFinite() && m.pose.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
          m.angularVelocity.allFinite();
+}
+
+/// What a program sets while running is not refused; numbers that mean nothing are not taken.
+bool isUsable(const BodySettings& s) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  return positive(s.mass) && std::all_of(s.principalInertia.begin(), s.principalInertia.end(), positive) &&
+         s.linearFactor.allFinite() && s.angularFactor.allFinite();
 }
 
 /// What Bullet's solver adds to the velocity for the total force and torque (initSolverBody), in its own
@@ -91,7 +99,7 @@ void Layer::prepareDynamic(CoveredBody& covered) {
     system_.setBodyMotion(covered.id, {.pose = motion.pose});
   }
   const BodySettings settings = settingsOf(covered, covered.held);
-  if (!(settings == covered.settings)) {
+  if (!(settings == covered.settings) && isUsable(settings)) {
     system_.setBodyMass(covered.id, settings.mass, settings.principalInertia);
     system_.setBodyFactors(covered.id, settings.linearFactor, settings.angularFactor);
     covered.settings = settings;
@@ -113,7 +121,9 @@ void Layer::applyLoad(CoveredBody& covered) {
     load.force = fromBullet(body.getTotalForce()) - fromBullet(gravityForce);
     load.torque = fromBullet(body.getTotalTorque()) - lever.cross(load.force);
   }
-  system_.setBodyGravity(covered.id, fromBullet(body.getGravity()));
+  const Vector3 gravity = fromBullet(body.getGravity());
+  if (!gravity.allFinite() || !load.force.allFinite() || !load.torque.allFinite()) return;
+  system_.setBodyGravity(covered.id, gravity);
   system_.setBodyLoad(covered.id, load);
 }
 
@@ -186,7 +196,8 @@ void Layer::noteSolved() {
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion != BodyMotion::Dynamic) continue;
     btRigidBody& body = *covered.body;
-    if (covered.momentsPerMass) {
+    const bool wasShown = !covered.held || body.isActive();  // a sleeper's velocity is still its owner's
+    if (covered.momentsPerMass && wasShown) {
       const Vector3 lever = covered.startPose.orientation * leverOf(covered);
       body.setLinearVelocity(toBullet(Vector3(fromBullet(body.getLinearVelocity()) -
                                               fromBullet(body.getAngularVelocity()).cross(lever))));

@@ -29,7 +29,8 @@ constexpr int kSegments = 256;  // the inertia of a 256-sided prism is 2e-4 shor
 
 /// A solid of density 1 with these moments about its centre; `along` about `axis`, `across` about the others.
 MassProperties round(double volume, int axis, double along, double across) {
-  MassProperties solid{.volume = volume};
+  MassProperties solid;
+  solid.volume = volume;
   solid.inertia.diagonal().setConstant(across);
   solid.inertia(axis, axis) = along;
   return solid;
@@ -38,7 +39,8 @@ MassProperties round(double volume, int axis, double along, double across) {
 MassProperties boxMass(const btBoxShape& box) {
   const Vector3 half = fromBullet(box.getHalfExtentsWithMargin());
   const Vector3 squares = half.cwiseAbs2();
-  MassProperties solid{.volume = 8.0 * half.prod()};
+  MassProperties solid;
+  solid.volume = 8.0 * half.prod();
   solid.inertia.diagonal() = solid.volume / 3.0 * (Vector3::Constant(squares.sum()) - squares);
   return solid;
 }

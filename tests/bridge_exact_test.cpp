@@ -272,21 +272,6 @@ TEST(ExactContact, RefusesSettingsOfParticles) {
             "CoverBodyDef.particleRadius is given; it must be left out where CoverBodyDef.contact is Exact");
 }
 
-TEST(SetGravity, ReachesTheGrainsBeforeTheFirstTick) {
-  SandScene scene;
-  granular::GranularSystem& sand = scene.world->grains();
-  const granular::GrainId grain = addBall(sand, {0, 2, 0}, 0.05, sand.addMaterial({}));
-  scene.world->setGravity(vec(0, -4, 0));
-  EXPECT_DOUBLE_EQ(sand.measure().energy.potential, 2.0 * 4.0 * sand.massOf(grain));
-}
-
-TEST(SetGravity, RefusesWhatIsNotFinite) {
-  SandScene scene;
-  const btVector3 before = scene.world->getGravity();
-  EXPECT_THROW(scene.world->setGravity(vec(0, std::nan(""), 0)), std::invalid_argument);
-  EXPECT_EQ(fromBullet(scene.world->getGravity()), fromBullet(before));
-}
-
 TEST(CoverBody, PassesOnWhatSurfaceEachParticleStandsFor) {
   SandScene scene;
   btRigidBody& box = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
