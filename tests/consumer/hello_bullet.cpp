@@ -12,14 +12,14 @@ int main() {
   btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 
   btBoxShape slabShape(btVector3(btScalar(0.3), btScalar(0.1), btScalar(0.3)));
-  btRigidBody slab({0, nullptr, &slabShape});
+  btRigidBody slab(0, nullptr, &slabShape);
   slab.getWorldTransform().setOrigin(btVector3(0, btScalar(-0.1), 0));
   world.addRigidBody(&slab);
 
   btSphereShape ballShape(btScalar(0.05));
   btVector3 inertia;
   ballShape.calculateLocalInertia(1, inertia);
-  btRigidBody ball({1, nullptr, &ballShape, inertia});
+  btRigidBody ball(1, nullptr, &ballShape, inertia);
   ball.getWorldTransform().setOrigin(btVector3(0, btScalar(0.3), 0));
   world.addRigidBody(&ball);
 
