@@ -48,11 +48,17 @@ TriangleMesh slabUnder(const PlanePatchShape& patch, double thickness) {
 template <class Keep>
 void keepOnly(Covering& covering, const Keep& keep) {
   Covering kept;
+  auto piece = covering.pieces.begin();
   for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    const auto first = piece;
+    while (piece != covering.pieces.end() && piece->particle == static_cast<std::int32_t>(i)) ++piece;
     if (!keep(covering.positions[i], covering.radii[i])) continue;
+    for (auto p = first; p != piece; ++p) {
+      kept.pieces.push_back(*p);
+      kept.pieces.back().particle = static_cast<std::int32_t>(kept.positions.size());
+    }
     kept.positions.push_back(covering.positions[i]);
     kept.radii.push_back(covering.radii[i]);
-    if (!covering.areas.empty()) kept.areas.push_back(covering.areas[i]);
   }
   covering = std::move(kept);
 }

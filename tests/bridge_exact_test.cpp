@@ -277,10 +277,11 @@ TEST(CoverBody, PassesOnWhatSurfaceEachParticleStandsFor) {
   btRigidBody& box = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
   const granular::BodyId id = scene.world->coverBody(box, {.particleRadius = 0.02});
   const granular::Covering& covering = scene.world->grains().covering(id);
-  ASSERT_EQ(covering.areas.size(), covering.positions.size());
+  ASSERT_FALSE(covering.pieces.empty());
   // Both sides of a cube of 0.2 m show 2 x 0.04 m^2 along each axis.
   double shown = 0.0;
-  for (const granular::Matrix3& area : covering.areas) shown += area(0, 0);
+  for (const granular::SurfacePiece& piece : covering.pieces)
+    shown += std::abs(piece.areaVector().x());
   EXPECT_NEAR(shown, 0.08, 1e-3);
 }
 

@@ -6,6 +6,7 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/granular_system_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/io_lammps_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/pressed_patch_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp

@@ -11,6 +11,8 @@
 #include "granular/base/parallel.h"
 #include "granular/base/require.h"
 #include "granular/geometry/detail/point_grid.h"
+#include "granular/geometry/detail/surface_pieces.h"
+#include "granular/geometry/detail/surface_samples.h"
 #include "granular/geometry/marching_tetrahedra.h"
 #include "granular/geometry/mesh_distance.h"
 #include "granular/geometry/signed_distance_band.h"
@@ -18,6 +20,8 @@
 
 namespace granular {
 namespace {
+
+using detail::SurfacePoint, detail::sampleSurface;
 
 // Of r, the distance between the samples on which holes are measured: all over the iso-surface, and coarser
 // all over the mesh, where they matter only if the iso-surface misses a part.
@@ -77,33 +81,6 @@ void requireAffordable(double area, const Settings& s, std::int64_t maxParticles
   throw std::invalid_argument(text.str());
 }
 
-struct SurfacePoint {
-  Vector3 point, normal;
-};
-
-/// One point for every `areaEach` of the surface, triangles in their order; within triangles the points
-/// follow the additive recurrence of Roberts (2018), which spreads them far more evenly than random ones.
-std::vector<SurfacePoint> sampleSurface(const TriangleMesh& mesh, double areaEach) {
-  constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;  // 1/g, 1/g^2, g^3 = g + 1
-  std::vector<SurfacePoint> samples;
-  double waiting = 0.5;  // samples due, at the start of the triangle
-  double u = 0.5, v = 0.5;
-  for (const auto& t : mesh.triangles) {
-    const Vector3 areaVector = doubleAreaVector(mesh, t);
-    const double doubleArea = areaVector.norm();
-    if (!(doubleArea > 0.0)) continue;
-    for (waiting += 0.5 * doubleArea / areaEach; waiting >= 1.0; waiting -= 1.0) {
-      u = std::fmod(u + kFirst, 1.0);
-      v = std::fmod(v + kSecond, 1.0);
-      const double a = u + v > 1.0 ? 1.0 - u : u, b = u + v > 1.0 ? 1.0 - v : v;
-      const Vector3& corner = mesh.vertices[t[0]];
-      samples.push_back({corner + a * (mesh.vertices[t[1]] - corner) + b * (mesh.vertices[t[2]] - corner),
-                         areaVector / doubleArea});
-    }
-  }
-  return samples;
-}
-
 /// A place where a particle's centre may be, and the offset of the surface through it.
 struct Spot {
   Vector3 point;
@@ -143,7 +120,8 @@ class Coverer {
       measureHoles(set_.radius + fillBound());
     }
     describe(report);
-    return {positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
+    return {positions_, std::vector<double>(positions_.size(), set_.radius),
+            detail::shareSurface(mesh_, {positions_, offsets_, set_.radius, kFarthestHole}, executor_)};
   }
 
  private:
@@ -365,25 +343,6 @@ class Coverer {
     report.spacingMax = spacing.back();
   }
 
-  /// Covering::areas: every piece of the mesh surface goes to the particle whose centre is nearest.
-  std::vector<Matrix3> shareSurface() const {
-    std::vector<Matrix3> areas(positions_.size(), Matrix3::Zero());
-    const detail::PointGrid grid(positions_, 2.0 * set_.radius);
-    const double areaEach =
-        surfaceArea(mesh_) / static_cast<double>(std::max<std::size_t>(1, meshSamples_.size()));
-    for (const SurfacePoint& s : meshSamples_) {
-      const std::int32_t nearest =
-          grid.nearestIndex(s.point, kFarthestHole * set_.radius + std::abs(set_.offset));
-      if (nearest >= 0) areas[nearest] += areaEach * s.normal * s.normal.transpose();
-    }
-    // A particle that stands where others are nearer to the surface carries none of it: the least that
-    // counts.
-    for (Matrix3& area : areas) {
-      if (area.trace() == 0.0) area = 1e-6 * set_.radius * set_.radius * Matrix3::Identity();
-    }
-    return areas;
-  }
-
   void describeEnvelope(const detail::PointGrid& grid, CoverReport& report) const {
     double sum = 0.0;
     for (const SurfacePoint& s : meshSamples_) {
@@ -444,11 +403,12 @@ std::string CoverReport::text() const {
 
 void append(Covering& covering, const Covering& more) {
   // Where only one side knows what its particles stand for, neither does.
-  const bool bothKnow = (covering.positions.empty() || !covering.areas.empty()) && !more.areas.empty();
-  if (bothKnow) {
-    covering.areas.insert(covering.areas.end(), more.areas.begin(), more.areas.end());
-  } else {
-    covering.areas.clear();
+  const bool bothKnow = (covering.positions.empty() || !covering.pieces.empty()) && !more.pieces.empty();
+  if (!bothKnow) covering.pieces.clear();
+  const auto before = static_cast<std::int32_t>(covering.positions.size());
+  for (SurfacePiece piece : bothKnow ? more.pieces : std::vector<SurfacePiece>{}) {
+    piece.particle += before;
+    covering.pieces.push_back(piece);
   }
   covering.positions.insert(covering.positions.end(), more.positions.begin(), more.positions.end());
   covering.radii.insert(covering.radii.end(), more.radii.begin(), more.radii.end());

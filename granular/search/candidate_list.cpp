@@ -99,10 +99,13 @@ void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Pi
 }
 
 void CandidateList::searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const {
+  if (input.surfaces.empty()) return;
   const ParticleRow& row = input.particles[slot];
   const auto first = static_cast<std::int32_t>(input.particles.size());
+  const double reach =
+      row.radius + skin_ + (input.overhang.empty() ? 0.0 : input.overhang[input.owner[slot]]);
   for (std::int32_t s = 0; s < static_cast<std::int32_t>(input.surfaces.size()); ++s) {
-    if (input.surfaces[s].distance({row.x, row.y, row.z}) >= row.radius + skin_) continue;
+    if (input.surfaces[s].distance({row.x, row.y, row.z}) >= reach) continue;
     const std::int32_t owner = input.owner[slot], other = input.owner[first + s];
     if (owner != other && input.rules->mayMeet(owner, other)) piece.partners.push_back(first + s);
   }

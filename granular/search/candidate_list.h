@@ -50,6 +50,7 @@ struct SearchInput {
   std::span<const std::int32_t> slotOfRank;
   std::int32_t dynamicCount = 0;
   const MeetingRules* rules = nullptr;
+  std::span<const double> overhang = {};  ///< [owner] how far it reaches beyond its particles to surfaces, m
 };
 
 class CandidateList {

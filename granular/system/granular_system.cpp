@@ -34,20 +34,27 @@ void checkIntegrator(const IntegratorDef& def) {
   require(def.trialLimit > 0, "IntegratorDef.trialLimit", def.trialLimit, "trials", "> 0");
 }
 
+void checkPieces(const Covering& covering) {
+  std::int32_t before = 0;
+  for (const SurfacePiece& piece : covering.pieces) {
+    require(piece.particle >= before && piece.particle < std::ssize(covering.positions),
+            "BodyDef.covering.pieces.particle", piece.particle, "",
+            "an index of a particle, not below that of the piece before");
+    before = piece.particle;
+    for (const Vector3& corner : piece.corners) requireFinite(corner, "BodyDef.covering.pieces.corners", "m");
+    requirePositive(piece.areaVector().norm(), "BodyDef.covering.pieces area", "m^2");
+  }
+}
+
 void checkBody(const BodyDef& def) {
   const std::size_t count = def.covering.positions.size();
   require(count > 0 || def.exact, "BodyDef.covering.positions", 0, "particles",
           "at least one, or BodyDef.exact given");
   require(def.covering.radii.size() == count, "BodyDef.covering.radii", def.covering.radii.size(), "entries",
           "as many as positions");
-  require(def.covering.areas.empty() || def.covering.areas.size() == count, "BodyDef.covering.areas",
-          def.covering.areas.size(), "entries", "none, or as many as positions");
   for (const Vector3& p : def.covering.positions) requireFinite(p, "BodyDef.covering.positions", "m");
   for (const double r : def.covering.radii) requirePositive(r, "BodyDef.covering.radii", "m");
-  for (const Matrix3& a : def.covering.areas) {
-    require(a.allFinite() && a.trace() > 0.0, "BodyDef.covering.areas", a.trace(), "m^2 (trace)",
-            "finite and > 0");
-  }
+  checkPieces(def.covering);
   if (def.exact) {
     if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
       requirePositive(ball->radius, "BodyDef.exact.radius", "m");
@@ -55,6 +62,14 @@ void checkBody(const BodyDef& def) {
             "BodyDef.motion", "Dynamic", "", "Static or Kinematic for a half-space");
   }
   checkMotion({def.pose, def.velocity, def.angularVelocity}, "BodyDef");
+}
+
+/// Where the pieces of each particle begin, and where the last one's end.
+std::vector<std::int32_t> firstPieces(const Covering& covering) {
+  std::vector<std::int32_t> first(covering.positions.size() + 1, 0);
+  for (const SurfacePiece& piece : covering.pieces) ++first[piece.particle + 1];
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  return first;
 }
 
 void checkBodyMass(double mass, const Vector3& inertia) {
@@ -167,6 +182,7 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
     record.particles.push_back(particle);
     record.reach = std::max(record.reach, particle.position.norm() + particle.radius);
   }
+  record.firstPiece = firstPieces(def.covering);
   if (def.exact) {
     if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
       record.reach = std::max(record.reach, ball->radius);

@@ -106,7 +106,8 @@ void Evaluation::rebuildCandidates() {
                           .rank = layout_.rankOfSlot,
                           .slotOfRank = layout_.slotOfRank,
                           .dynamicCount = layout_.dynamicParticles,
-                          .rules = &layout_.rules};
+                          .rules = &layout_.rules,
+                          .overhang = layout_.overhang};
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();

@@ -24,7 +24,8 @@ struct Owner {
   OwnerKind kind = OwnerKind::Grain;
   std::int32_t index = -1;                   ///< GrainId::index or BodyId::index
   std::span<const ShapeParticle> particles;  ///< principal frame, before scale
-  std::span<const Matrix3> areas;            ///< of a body's particles, as Covering::areas; may be empty
+  std::span<const SurfacePiece> pieces;      ///< of a body, as Covering::pieces; may be empty
+  std::span<const std::int32_t> firstPiece;  ///< of particle i; one entry more than particles, or none
   const ExactSurface* exact = nullptr;       ///< of a body that has one
   double scale = 1.0;
   double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
@@ -42,6 +43,11 @@ struct Owner {
   std::int32_t firstSlot = 0;
   std::int32_t firstPatch = -1;  ///< -1: static
   std::int32_t patchCount = 0;
+
+  std::span<const SurfacePiece> piecesOf(std::int32_t local) const {
+    if (pieces.empty()) return {};
+    return pieces.subspan(firstPiece[local], firstPiece[local + 1] - firstPiece[local]);
+  }
 };
 
 /// omega = R I^-1 R^T L, world, with locked axes left out; rad/s.
@@ -95,6 +101,7 @@ struct Layout {
   std::vector<ParticleKind> kinds;
   std::vector<std::int32_t> kindOfRank;
   MeetingRules rules;
+  std::vector<double> overhang;  ///< by owner: how far pieces reach beyond their particles, at most, m
 
   /// Area that particle `local` of a body shows to a contact along N (unit, body frame), m^2.
   static double areaAlong(const Owner& owner, std::int32_t local, const Vector3& N);

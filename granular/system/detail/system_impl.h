@@ -37,6 +37,7 @@ struct BodyRecord {
   Covering covering;
   std::optional<ExactSurface> exact;
   std::vector<ShapeParticle> particles;
+  std::vector<std::int32_t> firstPiece;  // of covering.pieces, by particle; one entry more
   double reach = 0.0;
   MaterialId material;
   double mass = 0.0;

@@ -93,7 +93,8 @@ void GranularSystem::Impl::makeLayout() {
       owner.kind = OwnerKind::Body;
       owner.index = b;
       owner.particles = record.particles;
-      owner.areas = record.covering.areas;
+      owner.pieces = record.covering.pieces;
+      owner.firstPiece = record.firstPiece;
       if (record.exact) owner.exact = &*record.exact;
       owner.reach = record.reach;
       owner.material = record.material.index;
