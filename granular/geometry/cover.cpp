@@ -414,4 +414,21 @@ void append(Covering& covering, const Covering& more) {
   covering.radii.insert(covering.radii.end(), more.radii.begin(), more.radii.end());
 }
 
+void keepOnly(Covering& covering, const std::function<bool(const Vector3&, double)>& keep) {
+  Covering kept;
+  auto piece = covering.pieces.begin();
+  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    const bool keeps = keep(covering.positions[i], covering.radii[i]);
+    for (; piece != covering.pieces.end() && piece->particle == static_cast<std::int32_t>(i); ++piece) {
+      if (!keeps) continue;
+      kept.pieces.push_back(*piece);
+      kept.pieces.back().particle = static_cast<std::int32_t>(kept.positions.size());
+    }
+    if (!keeps) continue;
+    kept.positions.push_back(covering.positions[i]);
+    kept.radii.push_back(covering.radii[i]);
+  }
+  covering = std::move(kept);
+}
+
 }  // namespace granular
