@@ -105,7 +105,7 @@ void CandidateList::searchSurfaces(std::int32_t slot, const SearchInput& input, 
   const double reach =
       row.radius + skin_ + (input.overhang.empty() ? 0.0 : input.overhang[input.owner[slot]]);
   for (std::int32_t s = 0; s < static_cast<std::int32_t>(input.surfaces.size()); ++s) {
-    if (input.surfaces[s].distance({row.x, row.y, row.z}) >= reach) continue;
+    if (!input.surfaces[s].mayBeWithin({row.x, row.y, row.z}, reach)) continue;
     const std::int32_t owner = input.owner[slot], other = input.owner[first + s];
     if (owner != other && input.rules->mayMeet(owner, other)) piece.partners.push_back(first + s);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "granular/base/parallel.h"
+#include "granular/geometry/exact_surface.h"
 #include "granular/search/spatial_hash.h"
 
 namespace granular {
@@ -21,13 +22,20 @@ static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows t
 
 /// An exact surface where it stands now.
 struct SurfaceRow {
-  Vector3 point = Vector3::Zero();   ///< on the plane, or the centre of the sphere, m, world
-  Vector3 normal = Vector3::Zero();  ///< outward, of a plane, world; zero for a sphere
-  double radius = 0.0;               ///< m; 0 for a plane
+  const ExactSurface* shape = nullptr;
+  double boundingRadius = 0.0;             ///< about `point`, m; infinite for a plane
+  Vector3 point = Vector3::Zero();         ///< origin of its own frame, m, world
+  Matrix3 rotation = Matrix3::Identity();  ///< from its own frame to the world
 
-  /// Distance from the surface to a point outside, m; negative inside.
-  double distance(const Vector3& p) const {
-    return radius > 0.0 ? (p - point).norm() - radius : normal.dot(p - point);
+  SurfaceDistance distance(const Vector3& p) const {
+    SurfaceDistance at = surfaceDistance(*shape, rotation.transpose() * (p - point));
+    at.normal = rotation * at.normal;
+    return at;
+  }
+  bool mayBeWithin(const Vector3& p, double reach) const {
+    const double sphere = boundingRadius + reach;
+    return (p - point).squaredNorm() < sphere * sphere &&
+           granular::mayBeWithin(*shape, rotation.transpose() * (p - point), reach);
   }
 };
 

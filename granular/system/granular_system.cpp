@@ -56,8 +56,9 @@ void checkBody(const BodyDef& def) {
   for (const double r : def.covering.radii) requirePositive(r, "BodyDef.covering.radii", "m");
   checkPieces(def.covering);
   if (def.exact) {
-    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
-      requirePositive(ball->radius, "BodyDef.exact.radius", "m");
+    checkExactSurface(*def.exact, "BodyDef.exact");
+    requireFinite(def.exactPose.position, "BodyDef.exactPose.position", "m");
+    requireRotation(def.exactPose.orientation, "BodyDef.exactPose.orientation");
     require(!std::holds_alternative<HalfSpace>(*def.exact) || def.motion != BodyMotion::Dynamic,
             "BodyDef.motion", "Dynamic", "", "Static or Kinematic for a half-space");
   }
@@ -177,15 +178,15 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   record.motionType = def.motion;
   record.covering = def.covering;
   record.exact = def.exact;
+  record.exactPose = {def.exactPose.position, def.exactPose.orientation.normalized()};
   for (std::size_t i = 0; i < def.covering.positions.size(); ++i) {
     const ShapeParticle particle{def.covering.positions[i], def.covering.radii[i]};
     record.particles.push_back(particle);
     record.reach = std::max(record.reach, particle.position.norm() + particle.radius);
   }
   record.firstPiece = firstPieces(def.covering);
-  if (def.exact) {
-    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
-      record.reach = std::max(record.reach, ball->radius);
+  if (def.exact && !std::holds_alternative<HalfSpace>(*def.exact)) {
+    record.reach = std::max(record.reach, def.exactPose.position.norm() + boundingRadius(*def.exact));
   }
   record.material = def.material;
   record.mass = def.mass;

@@ -76,6 +76,7 @@ struct BodyDef {
   BodyMotion motion = BodyMotion::Static;
   Covering covering = {};  ///< at least one particle, unless an exact surface is given
   std::optional<ExactSurface> exact = std::nullopt;  ///< met by particles besides the covering
+  Pose exactPose = {};                               ///< of its frame in the body frame
   MaterialId material = {};
   double mass = 0.0;                           ///< kg; > 0 for dynamic bodies, ignored for others
   Vector3 principalInertia = Vector3::Zero();  ///< kg m^2; > 0 for dynamic bodies

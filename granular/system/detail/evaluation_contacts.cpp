@@ -3,6 +3,7 @@
 // where two particles meet, and runs of contacts through the kernel compiled for their two laws.
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include "granular/contact/law_list.h"
 #include "granular/contact/pressed_patch.h"
@@ -89,7 +90,8 @@ void Evaluation::findContacts() {
           touches = dx * dx + dy * dy + dz * dz < reach * reach;
         } else {
           const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
-          touches = surfaces_[partner[c] - layout_.particleCount].distance({a.x, a.y, a.z}) < reach;
+          const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
+          touches = surface.distance({a.x, a.y, a.z}).distance < reach;
         }
         contactOfCandidate_[c] = touches ? n : -1;
         contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
@@ -142,29 +144,32 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
   const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
   const Vector3 x1(a.x, a.y, a.z);
-  const bool isPlane = contact.slot2 >= layout_.particleCount &&
-                       surfaces_[contact.slot2 - layout_.particleCount].radius == 0.0;
+  const SurfaceRow* surface =
+      contact.slot2 < layout_.particleCount ? nullptr : &surfaces_[contact.slot2 - layout_.particleCount];
+  const ExactSphere* ball = surface ? std::get_if<ExactSphere>(surface->shape) : nullptr;
+  const bool isRound = !surface || ball;
   Vector3 x2 = Vector3::Zero();
-  double distance = 0.0;
-  if (isPlane) {
-    const SurfaceRow& plane = surfaces_[contact.slot2 - layout_.particleCount];
-    g.xi = a.radius - plane.distance(x1);
-    g.N = -plane.normal;
-    g.point = x1 + (a.radius - g.xi) * g.N;
-  } else {
+  double distance = 0.0;  // of the centres of two round ones
+  if (isRound) {
     double radius2;
-    if (contact.slot2 < layout_.particleCount) {
+    if (ball) {
+      x2 = surface->point;
+      radius2 = ball->radius;
+    } else {
       const ParticleRow& b = particles_[contact.slot2];
       x2 = {b.x, b.y, b.z};
       radius2 = b.radius;
-    } else {
-      x2 = surfaces_[contact.slot2 - layout_.particleCount].point;
-      radius2 = surfaces_[contact.slot2 - layout_.particleCount].radius;
     }
     distance = (x2 - x1).norm();
     g.xi = a.radius + radius2 - distance;                                  // eq. 1
     g.N = distance > 0.0 ? Vector3((x2 - x1) / distance) : kAnyDirection;  // eq. 2
     g.point = x1 + (a.radius - 0.5 * g.xi) * g.N;
+  } else {
+    const SurfaceDistance near = surface->distance(x1);
+    g.xi = a.radius - near.distance;
+    g.N = -near.normal;
+    g.point = x1 + near.distance * g.N;
+    g.share = near.slope;  // the force is the slope of an energy, also where the distance is interpolated
   }
   if constexpr (Normal::kByArea) {
     if (!foundationGeometry(contact, x1, g)) return false;
@@ -176,8 +181,8 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   if constexpr (Shear::kHasMemory) {
     // The contact's frame turns with its normal, and about it as the two owners do on average.
     const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
-    Vector3 swing = isPlane ? owner2.angularVelocity : Vector3(Vector3::Zero());
-    if (!isPlane && distance > 0.0) {
+    Vector3 swing = isRound ? Vector3(Vector3::Zero()) : owner2.angularVelocity;
+    if (distance > 0.0) {
       const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - owner2.center) -
                               owner1.velocity - owner1.angularVelocity.cross(x1 - owner1.center);
       swing = g.N.cross(centers) / distance;

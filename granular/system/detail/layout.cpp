@@ -125,11 +125,9 @@ void Layout::findKinds() {
   if (smallestRadius == 0.0) smallestRadius = largestRadius = 1.0;  // no particles: nothing is measured by it
   for (const std::int32_t o : ownerOfSurface) {
     ParticleKind kind{.inverseMass = owners[o].inverseMass, .material = owners[o].material, .isBody = true};
-    if (const auto* ball = std::get_if<ExactSphere>(owners[o].exact)) {
-      kind.inverseRadius = 1.0 / ball->radius;
-      kind.bodyLength = ball->radius;
-      kind.bodyArea = std::numbers::pi * ball->radius * ball->radius;
-    }
+    if (const auto* ball = std::get_if<ExactSphere>(owners[o].exact)) kind.inverseRadius = 1.0 / ball->radius;
+    kind.bodyArea = shownArea(*owners[o].exact).maxCoeff();
+    kind.bodyLength = std::sqrt(0.5 * kind.bodyArea);
     kindOfRank.push_back(kindIndex(kind));
   }
 }

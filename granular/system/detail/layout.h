@@ -27,6 +27,7 @@ struct Owner {
   std::span<const SurfacePiece> pieces;      ///< of a body, as Covering::pieces; may be empty
   std::span<const std::int32_t> firstPiece;  ///< of particle i; one entry more than particles, or none
   const ExactSurface* exact = nullptr;       ///< of a body that has one
+  Pose exactPose;                            ///< of its frame in the body frame
   double scale = 1.0;
   double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
@@ -61,7 +62,7 @@ inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientati
 
 /// A particle or exact surface as the pair laws tell it apart.
 struct ParticleKind {
-  double inverseRadius = 0.0;  ///< 0 for a plane
+  double inverseRadius = 0.0;  ///< 0 for an exact surface but a sphere: it counts as flat
   double inverseMass = 0.0;
   std::int32_t material = -1;
   bool isBody = false;

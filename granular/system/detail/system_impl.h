@@ -36,6 +36,7 @@ struct BodyRecord {
   BodyMotion motionType = BodyMotion::Static;
   Covering covering;
   std::optional<ExactSurface> exact;
+  Pose exactPose;
   std::vector<ShapeParticle> particles;
   std::vector<std::int32_t> firstPiece;  // of covering.pieces, by particle; one entry more
   double reach = 0.0;

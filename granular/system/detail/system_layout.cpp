@@ -96,6 +96,7 @@ void GranularSystem::Impl::makeLayout() {
       owner.pieces = record.covering.pieces;
       owner.firstPiece = record.firstPiece;
       if (record.exact) owner.exact = &*record.exact;
+      owner.exactPose = record.exactPose;
       owner.reach = record.reach;
       owner.material = record.material.index;
       owner.filter = record.filter;
