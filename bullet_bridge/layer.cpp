@@ -67,9 +67,10 @@ void requireSolidIfDynamic(const btRigidBody& body, const std::vector<ShapePart>
 }
 
 granular::Covering seenFrom(const granular::Pose& frame, granular::Covering covering) {
-  const granular::Matrix3 turn = frame.orientation.toRotationMatrix();
   for (Vector3& p : covering.positions) p = frame.toOwn(p);
-  for (granular::Matrix3& area : covering.areas) area = turn.transpose() * area * turn;
+  for (granular::SurfacePiece& piece : covering.pieces) {
+    for (Vector3& corner : piece.corners) corner = frame.toOwn(corner);
+  }
   return covering;
 }
 
@@ -241,6 +242,16 @@ void Layer::takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const {
   covered.coreFrame = solid.principalFrame;
 }
 
+double Layer::exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const {
+  granular::requireNotNegative(def.exactSpacing, "CoverBodyDef.exactSpacing", "m");
+  if (def.exactSpacing > 0.0) return def.exactSpacing;
+  const double fromGrains = smallestGrainParticle(system_);
+  if (std::isfinite(fromGrains)) return 0.5 * fromGrains;
+  btVector3 low, high;
+  body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
+  return (fromBullet(high) - fromBullet(low)).maxCoeff() / 64.0;
+}
+
 granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   checkCoverable(body);
   CoveredBody covered;
@@ -250,15 +261,18 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   granular::Covering covering;
   if (def.contact == SurfaceContact::Exact) {
     checkExactDef(def);
-    const ExactShape shape = exactShape(body);
+    const ExactShape shape = exactShape(body, def, exactSpacing(body, def), system_.threads());
     covered.exact = shape.surface;
-    covered.coreFrame = shape.frame;
+    covered.exactFrame = shape.frame;
+    if (covered.isPlane()) covered.coreFrame = shape.frame;
     covered.boundingRadius = shape.boundingRadius;
   } else {
     covering = makeCovering(body, def);
   }
   takeMassFrame(covered, def);
-  if (!covered.exact) {
+  if (covered.exact) {
+    covered.boundingRadius += (covered.exactFrame.position - covered.coreFrame.position).norm();
+  } else {
     covering = seenFrom(covered.coreFrame, std::move(covering));
     covered.boundingRadius = boundingRadiusOf(covering);
   }
@@ -370,6 +384,7 @@ void Layer::addToSystem(CoveredBody& covered, granular::Covering covering,
   def.motion = covered.make.motion;
   def.covering = std::move(covering);
   def.exact = covered.exact;
+  def.exactPose = composed(inverse(covered.coreFrame), covered.exactFrame);
   def.material = covered.make.material;
   def.pose = motion.pose;
   def.filter = {.group = covered.make.group, .mask = covered.make.mask};

@@ -54,6 +54,7 @@ struct CoveredBody {
   bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
   double boundingRadius = 0.0;       ///< of the covering about the core body's origin, m; 0 for a plane
   std::optional<granular::ExactSurface> exact;  ///< met instead of particles
+  granular::Pose exactFrame;                    ///< of its frame in Bullet's body frame
   /// Of the core's body in Bullet's body frame: true centre of mass and principal axes; a plane's foot and
   /// normal, as the core's half-space ends at y = 0 of its own frame. The identity where the two agree.
   granular::Pose coreFrame;
@@ -164,6 +165,7 @@ class Layer {
   void drop(std::size_t slot);
   bool isInWorld(CoveredBody& covered) const;
   void checkCoverable(const btRigidBody& body) const;
+  double exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
   void takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const;
   double defaultParticleRadius(const std::vector<ShapePart>& parts) const;

@@ -40,9 +40,9 @@ struct LayerDef {
 /// What of a covered body meets grains and the particles of other bodies.
 enum class SurfaceContact : std::uint8_t {
   Particles,  ///< particles on its surface, as in the paper
-  /// The shape itself, smooth and without particles. For btSphereShape, and for btStaticPlaneShape (solid on
-  /// the far side of its normal, endless) of a static or kinematic body. Meets particles only: who handles
-  /// which pair is listed in bullet_bridge/README.md.
+  /// The shape itself, smooth and without particles: boxes, spheres, capsules, cylinders, planes (static or
+  /// kinematic; solid on the far side of the normal, endless), and any other shape of one closed part by its
+  /// sampled distance. Meets particles only: who handles which pair is listed in bullet_bridge/README.md.
   Exact,
 };
 
@@ -58,8 +58,12 @@ enum class MassSource : std::uint8_t {
 
 /// How a body gets its particles. Whatever is left out follows from the btRigidBody.
 struct CoverBodyDef {
-  /// Exact: nothing below but `mass` and `material` may be set.
+  /// Exact: nothing below but `exactSpacing`, `surface`, `shapeSurface`, `mass` and `material` may be set.
   SurfaceContact contact = SurfaceContact::Particles;
+  /// Exact, of a shape that is met by its sampled distance: between samples, m, >= 0; edges are rounded by
+  /// about half of it. 0: half the radius of the smallest particle of any grain in the world, or without grains
+  /// a 64th of the shape's size.
+  double exactSpacing = 0.0;
 
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
   /// of which 500 discs have the body's surface, but at most a quarter of its least extent.
@@ -74,7 +78,7 @@ struct CoverBodyDef {
 
   /// Ready particles, btRigidBody's frame.
   std::optional<granular::Covering> covering = std::nullopt;
-  /// Covered in place of the collision shape, body frame.
+  /// Covered, or met exactly, in place of the collision shape, body frame.
   std::optional<granular::TriangleMesh> surface = std::nullopt;
   SurfaceDef shapeSurface = {};  ///< how the collision shape becomes a mesh; planes need a patch
 

@@ -41,12 +41,13 @@ std::vector<Solid> solids() {
   const Vector3 size(0.4, 0.3, 0.2);
   const TriangleMesh tilted =
       turned(makeBox(size), Quaternion(Eigen::AngleAxisd(0.5, Vector3(1, 2, 3).normalized())));
+  const Quaternion zToY = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitY());
   // Facets are off a circle of radius r by r (1 - cos(pi / n)).
   const double facets = 0.2 * (1.0 - std::cos(3.15 / 200));
   return {{"sphere", ExactSphere{0.2}, makeIcosphere(0.2, 5), 2e-4},
           {"box", ExactBox{0.5 * size}, makeBox(size), 1e-12},
-          {"capsule", ExactCapsule{0.1, 0.15}, makeCapsule(0.1, 0.3, 200), facets},
-          {"cylinder", ExactCylinder{0.2, 0.1}, makeCylinder(0.2, 0.2, 200), facets},
+          {"capsule", ExactCapsule{0.1, 0.15}, turned(makeCapsule(0.1, 0.3, 200), zToY), facets},
+          {"cylinder", ExactCylinder{0.2, 0.1}, turned(makeCylinder(0.2, 0.2, 200), zToY), facets},
           // Interpolation rounds an edge off by less than the half diagonal of a voxel.
           {"mesh", fieldOf(tilted), tilted, 0.87 * kSpacing}};
 }
@@ -179,7 +180,7 @@ TEST_P(ExactSurfaces, AreWhereTheirPoseSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ExactSurfaces, testing::ValuesIn(solids()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 /// A ball slides over a face with no friction, across triangles and samples: it feels nothing but the face.
 TEST(ExactSurface, HasNoGhostForcesOnAFace) {
