@@ -213,8 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "bodies.ball.contact: value \"soft\"; allowed: one of particles, exact"},
         Mistake{
             "/bodies/plate/contact", "exact",
-            "bodies.plate.contact: value \"exact\"; allowed: \"particles\" for any shape but a sphere and a "
-            "halfSpace"},
+            "bodies.plate.contact: value \"exact\"; allowed: \"particles\" for a planePatch or a compound"},
         Mistake{"/bodies/ball/contact", "exact",
                 "bodies.ball.covering: value {\"particleRadius\":0.01}; allowed: none, since \"contact\" is "
                 "\"exact\""},
