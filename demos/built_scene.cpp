@@ -211,6 +211,13 @@ granular::FillRegion BuiltScene::clearOfExactBodies(granular::FillRegion region)
   for (const BuiltBody& body : bodies_) {
     if (body.part->contact != BodyContact::exact) continue;
     const auto* space = std::get_if<HalfSpaceShape>(&body.part->shape);
+    if (const auto* sphere = std::get_if<SphereShape>(&body.part->shape)) {
+      region.depth = [depth = std::move(region.depth), center = body.pose().position,
+                      radius = sphere->radius](const Vector3& p) {
+        return std::min(depth(p), (p - center).norm() - radius);
+      };
+      continue;
+    }
     if (!space) {
       const auto distance = std::make_shared<granular::MeshDistance>(body.solid.parts.front());
       region.depth = [depth = std::move(region.depth), pose = body.pose(), distance](const Vector3& p) {
