@@ -44,6 +44,22 @@ struct MeetingRules {
   std::vector<std::uint32_t> group, mask;    ///< by owner; empty: everything meets
   std::vector<std::uint64_t> excludedPairs;  ///< sorted, smaller owner in the high half
 
+  /// How bodies meet where some have a surface for other bodies' particles; empty: none has.
+  struct BodyRule {
+    bool isBody, movesParticles, hasSurface;
+  };
+  std::vector<BodyRule> bodies;  ///< by owner
+
+  /// Whether the particles of a meet the surface of b in place of b's particles.
+  bool onSurface(std::int32_t a, std::int32_t b) const {
+    return !bodies.empty() && bodies[a].movesParticles && bodies[b].hasSurface;
+  }
+  bool particlesMeet(std::int32_t a, std::int32_t b) const { return !onSurface(a, b) && !onSurface(b, a); }
+  /// Whether particles of a meet the exact surface of b at all: grains leave one alone that is for bodies.
+  bool surfaceMeets(std::int32_t a, std::int32_t b) const {
+    return bodies.empty() || bodies[a].isBody || !bodies[b].hasSurface;
+  }
+
   static std::uint64_t pairKey(std::int32_t a, std::int32_t b);
   bool mayMeet(std::int32_t a, std::int32_t b) const;
 };

@@ -59,6 +59,8 @@ void checkBody(const BodyDef& def) {
     checkExactSurface(*def.exact, "BodyDef.exact");
     requireFinite(def.exactPose.position, "BodyDef.exactPose.position", "m");
     requireRotation(def.exactPose.orientation, "BodyDef.exactPose.orientation");
+    require(count > 0 || def.exactUse == ExactUse::Everything, "BodyDef.exactUse", "Bodies", "",
+            "Everything for a body without particles");
     require(!std::holds_alternative<HalfSpace>(*def.exact) || def.motion != BodyMotion::Dynamic,
             "BodyDef.motion", "Dynamic", "", "Static or Kinematic for a half-space");
   }
@@ -178,6 +180,7 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   record.motionType = def.motion;
   record.covering = def.covering;
   record.exact = def.exact;
+  record.exactUse = def.exactUse;
   record.exactPose = {def.exactPose.position, def.exactPose.orientation.normalized()};
   for (std::size_t i = 0; i < def.covering.positions.size(); ++i) {
     const ShapeParticle particle{def.covering.positions[i], def.covering.radii[i]};
@@ -508,8 +511,7 @@ StepReport GranularSystem::measure() {
 
 double GranularSystem::creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const {
   const Impl& s = *impl_;
-  const MaterialPair pair =
-      combineMaterials(s.materials[a.index], s.materials[b.index], materialPair(a, b));
+  const MaterialPair pair = combineMaterials(s.materials[a.index], s.materials[b.index], materialPair(a, b));
   const auto side = [&](MaterialId m) {
     const MaterialDef& material = s.materials[m.index];
     return PairSide{

@@ -115,10 +115,14 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   const std::int32_t o = layout_.ownerOfSlot[contact.slot1];
   const Owner& owner = layout_.owners[o];
   const bool onSurface = contact.slot2 >= layout_.particleCount;
+  const std::int32_t other = layout_.ownerOfSlot[contact.slot2];
+  // Bodies that meet both ways, the particles of each on the surface of the other, share the stiffness.
+  const bool bothWays = layout_.rules.onSurface(o, other) && layout_.rules.onSurface(other, o);
+  const double weight = bothWays ? 0.5 : 1.0;
   if (!onSurface || owner.pieces.empty()) {
     if (!(g.xi > 0.0)) return false;
     const double first = areaOf(contact.slot1, g.N), second = onSurface ? 0.0 : areaOf(contact.slot2, -g.N);
-    g.share = onSurface ? first : first * second > 0.0 ? first * second / (first + second) : 0.0;
+    g.share = onSurface ? weight * first : first * second > 0.0 ? first * second / (first + second) : 0.0;
     g.meanSquareOverlap = g.xi * g.xi;
     return g.share > 0.0;
   }
@@ -129,7 +133,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
                                           rotation.transpose() * g.N);
   if (!(patch.area > 0.0)) return false;
   g.xi = patch.depth;
-  g.share = patch.area;
+  g.share = weight * patch.area;
   g.shareGrowth = patch.areaSlope / patch.area;
   g.meanSquareOverlap = patch.meanSquareDepth;
   const Vector3 point = owners_[o].center + rotation * patch.center;

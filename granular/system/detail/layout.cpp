@@ -59,11 +59,26 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
     }
   }
   rules.excludedPairs = excludedPairs;
+  noteBodySurfaces();
   std::sort(rules.excludedPairs.begin(), rules.excludedPairs.end());
   findKinds();
   std::vector<std::int32_t> order(dynamicCount());
   std::iota(order.begin(), order.end(), 0);
   assignSlots(std::move(order));
+}
+
+void Layout::noteBodySurfaces() {
+  const bool any = std::any_of(owners.begin(), owners.end(), [](const Owner& owner) {
+    return owner.exact != nullptr && owner.exactUse == ExactUse::Bodies;
+  });
+  if (!any) return;
+  for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
+    const Owner& owner = owners[o];
+    const bool movesParticles = o < dynamicCount() && !owner.particles.empty();
+    rules.bodies.push_back({.isBody = owner.kind == OwnerKind::Body,
+                            .movesParticles = owner.kind == OwnerKind::Body && movesParticles,
+                            .hasSurface = owner.exact != nullptr && owner.exactUse == ExactUse::Bodies});
+  }
 }
 
 double Layout::areaAlong(const Owner& owner, std::int32_t local, const Vector3& N) {

@@ -28,6 +28,7 @@ struct Owner {
   std::span<const std::int32_t> firstPiece;  ///< of particle i; one entry more than particles, or none
   const ExactSurface* exact = nullptr;       ///< of a body that has one
   Pose exactPose;                            ///< of its frame in the body frame
+  ExactUse exactUse = ExactUse::Everything;
   double scale = 1.0;
   double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
@@ -113,6 +114,7 @@ struct Layout {
   void assignSlots(std::vector<std::int32_t> order);
 
  private:
+  void noteBodySurfaces();
   void findKinds();
 };
 

@@ -37,6 +37,7 @@ struct BodyRecord {
   Covering covering;
   std::optional<ExactSurface> exact;
   Pose exactPose;
+  ExactUse exactUse = ExactUse::Everything;
   std::vector<ShapeParticle> particles;
   std::vector<std::int32_t> firstPiece;  // of covering.pieces, by particle; one entry more
   double reach = 0.0;

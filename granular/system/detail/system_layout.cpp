@@ -97,6 +97,7 @@ void GranularSystem::Impl::makeLayout() {
       owner.firstPiece = record.firstPiece;
       if (record.exact) owner.exact = &*record.exact;
       owner.exactPose = record.exactPose;
+      owner.exactUse = record.exactUse;
       owner.reach = record.reach;
       owner.material = record.material.index;
       owner.filter = record.filter;
