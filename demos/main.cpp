@@ -2,6 +2,7 @@
 // granular_demo: lists scenes and runs them.
 //   granular_demo list
 //   granular_demo run splash --scale small --out out/splash
+//   granular_demo export splash --lammps out/splash_lammps
 // Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <thread>
 
+#include "demos/export_command.h"
 #include "demos/json_object.h"
 #include "demos/progress_line.h"
 #include "demos/run_report.h"
@@ -186,12 +188,15 @@ int main(int argc, char** argv) {
   CLI::App* runCommand =
       app.add_subcommand("run", "Runs a scene and writes pictures, tables and a report")->footer(kExitStatus);
   addRunOptions(*runCommand, arguments);
+  ExportArguments exportArguments;
+  addExportCommand(app, exportArguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
   try {
+    if (app.got_subcommand("export")) return runExport(exportArguments);
     return app.got_subcommand("list") ? list() : run(arguments, {argv, argv + argc});
   } catch (const SceneError& error) {
     std::fprintf(stderr, "%s\n", error.what());
