@@ -25,8 +25,10 @@ void checkMotion(const RigidMotion& m, const std::string& what) {
 void checkIntegrator(const IntegratorDef& def) {
   requireNotNegative(def.fixedSubStep, "IntegratorDef.fixedSubStep", "s");
   requirePositive(def.tolerance, "IntegratorDef.tolerance", "radii");
-  require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= 0.3,
-          "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "", "in (0, 0.3]");
+  const bool isRungeKutta = def.stepper == Stepper::Rkf45 || def.stepper == Stepper::BogackiShampine;
+  require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= (isRungeKutta ? 0.3 : 0.9),
+          "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "",
+          isRungeKutta ? "in (0, 0.3]" : "in (0, 0.9] for this stepper");
   require(def.eventFraction > 0.0 && def.eventFraction <= 1.0, "IntegratorDef.eventFraction",
           def.eventFraction, "", "in (0, 1]");
   require(def.eventContacts >= 0, "IntegratorDef.eventContacts", def.eventContacts, "contacts", ">= 0");
