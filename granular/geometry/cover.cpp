@@ -2,6 +2,7 @@
 #include "granular/geometry/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -10,6 +11,7 @@
 
 #include "granular/base/parallel.h"
 #include "granular/base/require.h"
+#include "granular/geometry/detail/nearest_batch.h"
 #include "granular/geometry/detail/point_grid.h"
 #include "granular/geometry/marching_tetrahedra.h"
 #include "granular/geometry/mesh_distance.h"
@@ -26,6 +28,8 @@ constexpr double kMeshSampleSpacing = 0.45;
 constexpr double kHoleMargin =
     0.1;  // of r: holes are filled down to this much below the bound, for what lies between samples
 constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
+constexpr double kUsualHole = 1.5;     // of r: nearly every place has a centre this near
+constexpr double kAskingCell = 1.5;    // of r, of the cells in which places ask together
 constexpr double kThinDepth =
     0.9;  // of half the thickness: far enough from the middle for a clear direction outwards
 constexpr double kThinReach =
@@ -128,11 +132,11 @@ class Coverer {
     startFloaters();
     findSpots();
     relax(report);
-    measureHoles(set_.radius + fillBound());
+    measureHoles();
     while (worstHole() > fillBound() && report.fillRounds < def_.maxFillRounds) {
       report.filledParticles += fillHoles();
       relax(report);
-      measureHoles(set_.radius + fillBound());
+      measureHoles();
       ++report.fillRounds;
     }
     // What relaxing opens again and again, at edges mostly, is closed by floaters that stay where they are
@@ -140,7 +144,7 @@ class Coverer {
     for (int attempt = 0; attempt < kLastFills && worstHole() > fillBound(); ++attempt) {
       report.filledParticles += fillHoles();
       putOnSurface();
-      measureHoles(set_.radius + fillBound());
+      measureHoles();
     }
     describe(report);
     return {positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
@@ -163,9 +167,10 @@ class Coverer {
     std::vector<std::optional<Spot>> missed(meshSamples_.size());
     executor_.forRanges(std::ssize(missed), kItemsAPiece, [&](std::int64_t begin, std::int64_t end) {
       std::int32_t hint = -1;
+      std::array<SignedDistanceBand::Cursor, 3> cursors;
       for (std::int64_t i = begin; i < end; ++i) {
         const SurfacePoint& s = meshSamples_[i];
-        if (!isOnIsoSurface(s.point + set_.offset * s.normal)) missed[i] = spotAt(s, hint);
+        if (!isOnIsoSurface(s.point + set_.offset * s.normal, cursors)) missed[i] = spotAt(s, hint);
       }
     });
     for (const auto& spot : missed) {
@@ -175,14 +180,17 @@ class Coverer {
       spots_.push_back({s.point, set_.offset, false});
     }
     nearest_.resize(spots_.size());
+    std::vector<Vector3> points;
+    for (const Spot& spot : spots_) points.push_back(spot.point);
+    spotBatch_.emplace(points, kAskingCell * set_.radius);
   }
 
   /// The iso-surface passes close by: the band crosses the offset with a clear slope.
-  bool isOnIsoSurface(const Vector3& p) const {
-    const auto at = band_.sample(p);
+  bool isOnIsoSurface(const Vector3& p, std::array<SignedDistanceBand::Cursor, 3>& cursors) const {
+    const auto at = band_.sample(p, cursors[0]);
     if (!at || at->gradient.norm() < kClearSlope) return false;
     const Vector3 outwards = kResolved * set_.radius * at->gradient.normalized();
-    const auto above = band_.sample(p + outwards), below = band_.sample(p - outwards);
+    const auto above = band_.sample(p + outwards, cursors[1]), below = band_.sample(p - outwards, cursors[2]);
     return above && below && above->value > set_.offset && below->value < set_.offset;
   }
 
@@ -236,7 +244,7 @@ class Coverer {
   /// follows the exact distance from then on: going to and fro between the two it would never come to rest.
   SurfaceSample surface(std::int32_t i, const Vector3& p) {
     if (!isExact_[i]) {
-      const auto s = band_.sample(p);
+      const auto s = band_.sample(p, cursors_[i]);
       const double slope = s ? s->gradient.norm() : 0.0;
       if (slope > kClearSlope) return {s->value - offsets_[i], s->gradient / slope};
       isExact_[i] = 1;
@@ -245,12 +253,14 @@ class Coverer {
   }
 
   void relax(CoverReport& report) {
+    cursors_.assign(positions_.size(), {});
     const FloaterReport floaters =
         relaxFloaters(positions_, [this](std::int32_t i, const Vector3& p) { return surface(i, p); },
                       {.spacing = set_.spacing,
                        .convergence = def_.convergence * set_.radius,
                        .maxIterations = def_.maxIterations,
                        .threads = def_.threads});
+    cursors_ = {};
     report.iterations += floaters.iterations;
     report.converged = floaters.converged;
     putOnSurface();
@@ -282,18 +292,11 @@ class Coverer {
     }
   }
 
-  /// Distance from each spot to the nearest floater; no more than that it is below `enough` where it is.
-  void measureHoles(double enough) {
-    const detail::PointGrid grid(positions_, set_.spacing);
-    executor_.forRanges(static_cast<std::int64_t>(spots_.size()), kItemsAPiece,
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (std::int64_t i = begin; i < end; ++i) {
-                            const Vector3& p = spots_[i].point;
-                            nearest_[i] = grid.hasPointNearer(p, enough)
-                                              ? enough
-                                              : grid.nearestDistance(p, kFarthestHole * set_.radius);
-                          }
-                        });
+  /// Distance from each spot to the nearest floater.
+  void measureHoles() {
+    const auto answers =
+        spotBatch_->nearest(positions_, kUsualHole * set_.radius, kFarthestHole * set_.radius, executor_);
+    for (std::size_t i = 0; i < answers.size(); ++i) nearest_[i] = answers[i].distance;
   }
 
   double worstHole() const {
@@ -337,7 +340,7 @@ class Coverer {
   }
 
   void describe(CoverReport& report) {
-    measureHoles(0.0);
+    measureHoles();
     report.particleCount = static_cast<std::int64_t>(positions_.size());
     report.particleRadius = set_.radius;
     report.smallestGrainRadius = set_.grainRadius;
@@ -347,13 +350,14 @@ class Coverer {
     report.holesClosed = report.largestHole <= report.holeBound;
     report.thinParticles =
         std::count_if(offsets_.begin(), offsets_.end(), [&](double o) { return o != set_.offset; });
-    const detail::PointGrid grid(positions_, set_.spacing);
-    describeSpacing(grid, report);
-    describeEnvelope(grid, report);
+    describeSpacing(report);
+    findNearestToMesh();
+    describeEnvelope(report);
   }
 
-  void describeSpacing(const detail::PointGrid& grid, CoverReport& report) const {
+  void describeSpacing(CoverReport& report) const {
     if (positions_.size() < 2) return;
+    const detail::PointGrid grid(positions_, set_.spacing);
     std::vector<double> spacing(positions_.size());
     for (std::size_t i = 0; i < spacing.size(); ++i) {
       spacing[i] =
@@ -368,13 +372,12 @@ class Coverer {
   /// Covering::areas: every piece of the mesh surface goes to the particle whose centre is nearest.
   std::vector<Matrix3> shareSurface() const {
     std::vector<Matrix3> areas(positions_.size(), Matrix3::Zero());
-    const detail::PointGrid grid(positions_, 2.0 * set_.radius);
     const double areaEach =
         surfaceArea(mesh_) / static_cast<double>(std::max<std::size_t>(1, meshSamples_.size()));
-    for (const SurfacePoint& s : meshSamples_) {
-      const std::int32_t nearest =
-          grid.nearestIndex(s.point, kFarthestHole * set_.radius + std::abs(set_.offset));
-      if (nearest >= 0) areas[nearest] += areaEach * s.normal * s.normal.transpose();
+    for (std::size_t i = 0; i < meshSamples_.size(); ++i) {
+      const Vector3& normal = meshSamples_[i].normal;
+      const std::int32_t nearest = nearestToMesh_[i].index;
+      if (nearest >= 0) areas[nearest] += areaEach * normal * normal.transpose();
     }
     // A particle that stands where others are nearer to the surface carries none of it: the least that
     // counts.
@@ -384,11 +387,19 @@ class Coverer {
     return areas;
   }
 
-  void describeEnvelope(const detail::PointGrid& grid, CoverReport& report) const {
+  void findNearestToMesh() {
+    std::vector<Vector3> points;
+    for (const SurfacePoint& s : meshSamples_) points.push_back(s.point);
+    const double depth = std::abs(set_.offset);
+    nearestToMesh_ = detail::NearestBatch(points, kAskingCell * set_.radius)
+                         .nearest(positions_, std::hypot(depth, kUsualHole * set_.radius),
+                                  kFarthestHole * set_.radius + depth, executor_);
+  }
+
+  void describeEnvelope(CoverReport& report) const {
     double sum = 0.0;
-    for (const SurfacePoint& s : meshSamples_) {
-      const double farthest = kFarthestHole * set_.radius + std::abs(set_.offset);
-      const double gap = std::abs(grid.nearestDistance(s.point, farthest) - set_.radius);
+    for (const detail::NearestBatch::Answer& nearest : nearestToMesh_) {
+      const double gap = std::abs(nearest.distance - set_.radius);
       sum += gap;
       report.envelopeMax = std::max(report.envelopeMax, gap);
     }
@@ -404,11 +415,14 @@ class Coverer {
   TriangleMesh isoSurface_;
   std::vector<SurfacePoint> meshSamples_;
   std::vector<Spot> spots_;
-  std::vector<double> nearest_;      // distance from spot i to the nearest floater, m
-  std::vector<Vector3> positions_;   // floater i
-  std::vector<double> offsets_;      // of the surface that floater i lives on, m
-  std::vector<char> isExact_;        // floater i follows the exact distance instead of the band
-  std::vector<std::int32_t> hints_;  // triangle last nearest to floater i
+  std::optional<detail::NearestBatch> spotBatch_;
+  std::vector<double> nearest_;                              // distance from spot i to the nearest floater, m
+  std::vector<detail::NearestBatch::Answer> nearestToMesh_;  // floater nearest to mesh sample i
+  std::vector<Vector3> positions_;                           // floater i
+  std::vector<double> offsets_;                              // of the surface that floater i lives on, m
+  std::vector<char> isExact_;  // floater i follows the exact distance instead of the band
+  std::vector<SignedDistanceBand::Cursor> cursors_;  // of floater i, while they relax
+  std::vector<std::int32_t> hints_;                  // triangle last nearest to floater i
 };
 
 }  // namespace

@@ -38,7 +38,7 @@ struct CoverDef {
   std::optional<double> largestHole = {};
 
   std::uint64_t seed = 1;
-  double convergence = 5e-3;  ///< of r: done when the root mean square move of the floaters is below this
+  double convergence = 0.01;  ///< of r: done when the root mean square move of the floaters is below this
   int maxIterations = 500;    ///< of the floaters, in each round
   int maxFillRounds = 2;      ///< of filling holes and relaxing again
   std::int64_t maxParticles = 2'000'000;  ///< more than this is refused before anything is built

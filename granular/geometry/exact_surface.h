@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Surfaces that particles meet exactly instead of through surface particles: smooth and cheap.
-// Differs from the paper: there, everything a particle can touch is a particle. Scenes of the paper use coverings.
+// Differs from the paper: there, everything a particle can touch is a particle. Scenes of the paper use
+// coverings.
 #pragma once
 
 #include <variant>

@@ -89,16 +89,14 @@ void MeshDistance::computeNormals(const TriangleMesh& mesh) {
   }
 }
 
-/// Splits at the median along the longest side of the box of the centroids.
+/// Splits at the median along the longest side of the box of the centroids (here three times as far out).
 std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
   const auto self = static_cast<std::int32_t>(nodes_.size());
   TreeNode node;
   node.lower = Vector3::Constant(std::numeric_limits<double>::infinity());
   node.upper = -node.lower;
   Vector3 lowest = node.lower, highest = node.upper;
-  const auto centroid = [](const Triangle& t) {
-    return Vector3((t.corner[0] + t.corner[1] + t.corner[2]) / 3.0);
-  };
+  const auto centroid = [](const Triangle& t) { return Vector3(t.corner[0] + t.corner[1] + t.corner[2]); };
   for (std::int32_t s = first; s < last; ++s) {
     for (const Vector3& c : triangles_[s].corner) {
       node.lower = node.lower.cwiseMin(c);
@@ -117,8 +115,9 @@ std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
   (highest - lowest).maxCoeff(&axis);
   const std::int32_t middle = first + (last - first) / 2;
   std::nth_element(triangles_.begin() + first, triangles_.begin() + middle, triangles_.begin() + last,
-                   [&](const Triangle& a, const Triangle& b) {
-                     const double x = centroid(a)[axis], y = centroid(b)[axis];
+                   [axis](const Triangle& a, const Triangle& b) {
+                     const double x = a.corner[0][axis] + a.corner[1][axis] + a.corner[2][axis];
+                     const double y = b.corner[0][axis] + b.corner[1][axis] + b.corner[2][axis];
                      return x != y ? x < y : a.index < b.index;
                    });
   buildTree(first, middle);
@@ -127,14 +126,17 @@ std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
 }
 
 /// Nearest point of a triangle. First the inside of the face, where all three barycentric weights of the foot
-/// point are positive; otherwise the nearest of the three edges, each with its two ends.
+/// point are positive; otherwise the nearest of the edges beyond which it lies, each with its two ends. (It
+/// is never on another edge: a point nearest to one lies beyond it.)
 MeshDistance::Candidate MeshDistance::nearestOnTriangle(const Triangle& t, const Vector3& p) {
   const Vector3 u = t.corner[1] - t.corner[0], v = t.corner[2] - t.corner[0], w = p - t.corner[0];
+  std::array<bool, 3> isBeyond = {true, true, true};  // edge k
   if (!t.flat) {
     const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), wu = w.dot(u), wv = w.dot(v);
     const double scale = uu * vv - uv * uv;
     const double b = vv * wu - uv * wv, c = uu * wv - uv * wu;
-    if (b > 0.0 && c > 0.0 && b + c < scale) {
+    isBeyond = {!(c > 0.0), !(b + c < scale), !(b > 0.0)};
+    if (!isBeyond[0] && !isBeyond[1] && !isBeyond[2]) {
       const Vector3 normal = u.cross(v);
       const double height = w.dot(normal);
       const double squaredNormal = normal.squaredNorm();
@@ -143,6 +145,7 @@ MeshDistance::Candidate MeshDistance::nearestOnTriangle(const Triangle& t, const
   }
   Candidate best{std::numeric_limits<double>::infinity(), Vector3::Zero(), -1, kFace};
   for (int k = 0; k < 3; ++k) {
+    if (!isBeyond[k]) continue;
     const Vector3& from = t.corner[k];
     const Vector3 along = t.corner[(k + 1) % 3] - from;
     const double length = along.squaredNorm();

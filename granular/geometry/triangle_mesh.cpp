@@ -52,16 +52,16 @@ void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
          ++last) {
       ++(sides[last].forward ? forward : backward);
     }
-    std::ostringstream name;
-    name << "edge " << sides[first].low << '-' << sides[first].high << " of triangle "
-         << sides[first].triangle;
+    if (forward == 1 && backward == 1) continue;
+    std::string name = "edge " + std::to_string(sides[first].low) + '-' + std::to_string(sides[first].high) +
+                       " of triangle " + std::to_string(sides[first].triangle);
     if (forward + backward == 1) {
-      note(report.openEdges, name.str());
+      note(report.openEdges, name);
     } else if (forward != backward) {
-      name << " and " << sides[first + 1].triangle;
-      note(report.flippedEdges, name.str());
+      name += " and " + std::to_string(sides[first + 1].triangle);
+      note(report.flippedEdges, name);
     }
-    if (forward + backward > 2) note(report.crowdedEdges, name.str());
+    if (forward + backward > 2) note(report.crowdedEdges, name);
   }
 }
 
