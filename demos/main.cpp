@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// granular_demo: lists scenes and runs them.
+// granular_demo: lists scenes, runs them, covers meshes.
 //   granular_demo list
 //   granular_demo run splash --scale small --out out/splash
+//   granular_demo cover meshes/camel.obj --out out/camel
 // Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <thread>
 
+#include "demos/cover_command.h"
 #include "demos/json_object.h"
 #include "demos/progress_line.h"
 #include "demos/run_report.h"
@@ -186,18 +188,26 @@ int main(int argc, char** argv) {
   CLI::App* runCommand =
       app.add_subcommand("run", "Runs a scene and writes pictures, tables and a report")->footer(kExitStatus);
   addRunOptions(*runCommand, arguments);
+  CoverArguments cover;
+  CLI::App* coverCommand = app.add_subcommand(
+      "cover", "Covers a mesh file with particles: pictures, particles as PLY, report");
+  addCoverOptions(*coverCommand, cover);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
   try {
+    if (app.got_subcommand(coverCommand)) {
+      runCoverCommand(cover);
+      return 0;
+    }
     return app.got_subcommand("list") ? list() : run(arguments, {argv, argv + argc});
   } catch (const SceneError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "granular_demo: %s\n", error.what());
-    return kFailed;
+    return app.got_subcommand(coverCommand) ? kBadInput : kFailed;
   }
 }

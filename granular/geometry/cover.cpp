@@ -11,6 +11,7 @@
 
 #include "granular/base/parallel.h"
 #include "granular/base/require.h"
+#include "granular/geometry/detail/feature_lines.h"
 #include "granular/geometry/detail/nearest_batch.h"
 #include "granular/geometry/detail/point_grid.h"
 #include "granular/geometry/marching_tetrahedra.h"
@@ -41,6 +42,9 @@ constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surfa
 constexpr double kSettled = 1e-9;     // of r: off the offset surface by no more than this
 constexpr double kNotSettled = 1e-3;  // of r: off by more than this, the surface is not there
 constexpr int kLastFills = 4;         // one is enough where the iso-surface is resolved
+constexpr double kLeastArea =
+    1e-6;                        // of r^2: what a particle stands for where others are nearer to the surface
+constexpr double kAside = 1e-3;  // of r: beside the surface, to see what is on either side
 constexpr std::int64_t kItemsAPiece = 512;  // of parallel work
 
 /// CoverDef with every default replaced by its number.
@@ -68,6 +72,13 @@ Settings settle(const CoverDef& def) {
       2.0 * std::numbers::pi / std::numbers::sqrt3 * s.radius * s.radius;  // D spacing^2
   s.density = def.density.value_or(hexagonalDensity / (evenSpacing * evenSpacing));
   requirePositive(s.density, "CoverDef.density", "");
+  require(def.sharpEdgeDegrees > 0.0 && def.sharpEdgeDegrees <= 180.0, "CoverDef.sharpEdgeDegrees",
+          def.sharpEdgeDegrees, "degrees", "in (0, 180]");
+  if (def.edgeParticleRadius) {
+    const double edge = *def.edgeParticleRadius;
+    require(edge >= s.radius / 3.0 && edge < s.radius, "CoverDef.edgeParticleRadius", edge, "m",
+            "at least a third of particleRadius, and smaller than it");
+  }
   s.spacing = std::sqrt(hexagonalDensity / s.density);
   return s;
 }
@@ -117,16 +128,17 @@ struct Spot {
 
 class Coverer {
  public:
-  Coverer(const TriangleMesh& mesh, const CoverDef& def, const Settings& settings)
+  Coverer(const TriangleMesh& mesh, bool hasBuriedParts, const CoverDef& def, const Settings& settings)
       : mesh_(mesh),
         def_(def),
         set_(settings),
         executor_(def.threads),
-        exact_(mesh),
+        exact_(mesh, hasBuriedParts ? MeshSign::WindingNumber : MeshSign::PseudoNormal),
         band_(exact_, {.spacing = set_.radius,
                        .lower = set_.offset - set_.radius,
                        .upper = set_.offset + set_.radius,
-                       .threads = def.threads}) {}
+                       .threads = def.threads}),
+        hasBuriedParts_(hasBuriedParts) {}
 
   Covering run(CoverReport& report) {
     startFloaters();
@@ -146,24 +158,78 @@ class Coverer {
       putOnSurface();
       measureHoles();
     }
+    removeBuried();
     describe(report);
-    return {positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
+    Covering covering{positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
+    addEdgeParticles(covering, report);
+    return covering;
   }
 
  private:
   void startFloaters() {
     isoSurface_ = marchingTetrahedra(band_, set_.offset);
     requireAffordable(surfaceArea(isoSurface_), set_, def_.maxParticles);
-    positions_ = seedFloaters(isoSurface_, set_.radius, set_.density, Random(def_.seed));
+    positions_ = detail::creasePoints(mesh_, exact_, featureDef(set_.offset, set_.spacing));
+    fixed_ = std::ssize(positions_);
+    addSeeds(seedFloaters(isoSurface_, set_.radius, set_.density, Random(def_.seed)));
     offsets_.assign(positions_.size(), set_.offset);
     isExact_.assign(positions_.size(), 0);
     hints_.assign(positions_.size(), -1);
+  }
+
+  detail::FeatureDef featureDef(double offset, double spacing) const {
+    return {.offset = offset, .spacing = spacing, .sharpDegrees = def_.sharpEdgeDegrees};
+  }
+
+  /// Of the seeds, the nearest to each particle that has its place already makes room for it.
+  void addSeeds(const std::vector<Vector3>& seeds) {
+    std::vector<char> isDropped(seeds.size(), 0);
+    const double reach = 0.7 * set_.spacing;
+    const detail::PointGrid grid(seeds, set_.spacing);
+    for (const Vector3& p : positions_) {
+      std::int32_t nearest = -1;
+      double best = reach * reach;
+      grid.forEachNear(p, reach, [&](std::int32_t i, const Vector3& q) {
+        const double squared = (q - p).squaredNorm();
+        if (!isDropped[i] && squared < best) best = squared, nearest = i;
+      });
+      if (nearest >= 0) isDropped[nearest] = 1;
+    }
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      if (!isDropped[i]) positions_.push_back(seeds[i]);
+    }
+  }
+
+  /// The mesh near a point has the solid on both sides there: parts overlap.
+  bool isBuried(const Vector3& p) const {
+    const NearestPoint near = exact_.nearest(p);
+    const Vector3 away = p - near.point;
+    const Vector3 aside =
+        kAside * set_.radius * (away.norm() > kAside * set_.radius ? away.normalized() : near.normal);
+    return exact_.nearest(near.point + aside).signedDistance < 0.0 &&
+           exact_.nearest(near.point - aside).signedDistance < 0.0;
+  }
+
+  /// Particles that no grain can come to.
+  void removeBuried() {
+    if (!hasBuriedParts_) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      if (isBuried(positions_[i])) continue;
+      positions_[kept] = positions_[i];
+      offsets_[kept] = offsets_[i];
+      ++kept;
+    }
+    positions_.resize(kept);
+    offsets_.resize(kept);
   }
 
   /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) the parts of
   /// the mesh that it misses.
   void findSpots() {
     meshSamples_ = sampleSurface(mesh_, std::pow(kMeshSampleSpacing * set_.radius, 2));
+    if (hasBuriedParts_)
+      std::erase_if(meshSamples_, [&](const SurfacePoint& s) { return isBuried(s.point); });
     std::vector<std::optional<Spot>> missed(meshSamples_.size());
     executor_.forRanges(std::ssize(missed), kItemsAPiece, [&](std::int64_t begin, std::int64_t end) {
       std::int32_t hint = -1;
@@ -179,6 +245,7 @@ class Coverer {
     for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2))) {
       spots_.push_back({s.point, set_.offset, false});
     }
+    if (hasBuriedParts_) std::erase_if(spots_, [&](const Spot& spot) { return isBuried(spot.point); });
     nearest_.resize(spots_.size());
     std::vector<Vector3> points;
     for (const Spot& spot : spots_) points.push_back(spot.point);
@@ -259,6 +326,7 @@ class Coverer {
                       {.spacing = set_.spacing,
                        .convergence = def_.convergence * set_.radius,
                        .maxIterations = def_.maxIterations,
+                       .fixed = fixed_,
                        .threads = def_.threads});
     cursors_ = {};
     report.iterations += floaters.iterations;
@@ -382,7 +450,7 @@ class Coverer {
     // A particle that stands where others are nearer to the surface carries none of it: the least that
     // counts.
     for (Matrix3& area : areas) {
-      if (area.trace() == 0.0) area = 1e-6 * set_.radius * set_.radius * Matrix3::Identity();
+      if (area.trace() == 0.0) area = kLeastArea * set_.radius * set_.radius * Matrix3::Identity();
     }
     return areas;
   }
@@ -394,6 +462,43 @@ class Coverer {
     nearestToMesh_ = detail::NearestBatch(points, kAskingCell * set_.radius)
                          .nearest(positions_, std::hypot(depth, kUsualHole * set_.radius),
                                   kFarthestHole * set_.radius + depth, executor_);
+  }
+
+  /// Smaller particles along the convex edges, where those of radius r cannot reach.
+  void addEdgeParticles(Covering& covering, CoverReport& report) const {
+    report.edgeParticles = fixed_;
+    const double small = def_.edgeParticleRadius.value_or(set_.radius);
+    std::vector<Vector3> points;
+    if (def_.edgeParticleRadius) {
+      points = detail::creasePoints(
+          mesh_, exact_, featureDef(set_.offset + set_.radius - small, set_.spacing * small / set_.radius));
+      if (hasBuriedParts_) std::erase_if(points, [&](const Vector3& p) { return isBuried(p); });
+    }
+    report.edgeParticles += std::ssize(points);
+    report.particleCount += std::ssize(points);
+    for (const Vector3& p : points) {
+      covering.positions.push_back(p);
+      covering.radii.push_back(small);
+      covering.areas.push_back(kLeastArea * small * small * Matrix3::Identity());
+    }
+    describeEdges(points, small, report);
+  }
+
+  void describeEdges(const std::vector<Vector3>& smallOnes, double small, CoverReport& report) const {
+    const double apart = kIsoSampleSpacing * set_.radius;
+    const std::vector<Vector3> samples = detail::sharpEdgePoints(mesh_, featureDef(0.0, apart));
+    if (samples.empty()) return;
+    const double farthest = kFarthestHole * set_.radius + std::abs(set_.offset);
+    const detail::PointGrid large(positions_, set_.spacing), fine(smallOnes, set_.spacing);
+    double sum = 0.0;
+    for (const Vector3& p : samples) {
+      const double gap = std::min(std::abs(large.nearestDistance(p, farthest) - set_.radius),
+                                  std::abs(fine.nearestDistance(p, farthest) - small));
+      sum += gap;
+      report.edgeMax = std::max(report.edgeMax, gap);
+    }
+    report.edgeMean = sum / static_cast<double>(samples.size());
+    report.edgeLength = apart * static_cast<double>(samples.size());
   }
 
   void describeEnvelope(CoverReport& report) const {
@@ -412,6 +517,8 @@ class Coverer {
   Executor executor_;
   MeshDistance exact_;
   SignedDistanceBand band_;
+  bool hasBuriedParts_;
+  std::int64_t fixed_ = 0;  // the first so many floaters have their place
   TriangleMesh isoSurface_;
   std::vector<SurfacePoint> meshSamples_;
   std::vector<Spot> spots_;
@@ -429,31 +536,13 @@ class Coverer {
 
 Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* report) {
   const Settings settings = settle(def);
-  const MeshReport check = checkMesh(mesh);
-  if (!check.isSolid()) {
-    throw std::invalid_argument("coverMesh needs the closed surface of a solid; the mesh has " +
-                                check.text());
-  }
-  requireAffordable(check.area, settings, def.maxParticles);
   CoverReport own;
-  Covering covering = Coverer(mesh, def, settings).run(own);
+  const TriangleMesh solid =
+      repairMesh(def.sheetThickness ? makeSheet(mesh, *def.sheetThickness) : mesh, &own.repair);
+  requireAffordable(surfaceArea(solid), settings, def.maxParticles);
+  Covering covering = Coverer(solid, own.repair.buriedTriangles.count > 0, def, settings).run(own);
   if (report) *report = own;
   return covering;
-}
-
-std::string CoverReport::text() const {
-  const double r = particleRadius;
-  std::ostringstream out;
-  out << particleCount << " particles of radius " << r << " m (D " << density << ", " << filledParticles
-      << " added in holes, " << thinParticles << " in thin parts)"
-      << "\nspacing / r: min " << spacingMin / r << ", median " << spacingMedian / r << ", max "
-      << spacingMax / r << "\nlargest hole: radius " << largestHole / r << " r, "
-      << largestHole / smallestGrainRadius << " of the smallest grain's; allowed " << holeBound / r
-      << " r: " << (holesClosed ? "holds" : "NOT REACHED") << "\nenvelope from the mesh: mean "
-      << envelopeMean / r << " r, max " << envelopeMax / r << " r"
-      << "\nfloaters: " << iterations << " iterations, " << fillRounds << " fill rounds, "
-      << (converged ? "converged" : "NOT CONVERGED");
-  return out.str();
 }
 
 void append(Covering& covering, const Covering& more) {

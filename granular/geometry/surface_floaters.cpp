@@ -151,10 +151,10 @@ class Relaxation {
   double iterate() {
     neighbours_.update(positions_);
     executor_.forRanges(std::ssize(positions_), kFloatersAPiece, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) chooseMove(i);
+      for (std::int64_t i = std::max(begin, def_.fixed); i < end; ++i) chooseMove(i);
     });
     for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] += moves_[i];
-    return rootMeanSquare(moves_);
+    return rootMeanSquare(std::span(moves_).subspan(std::min<std::size_t>(def_.fixed, moves_.size())));
   }
 
  private:
@@ -205,6 +205,7 @@ FloaterReport relaxFloaters(std::span<Vector3> positions, const FloaterSurface& 
                             const FloaterDef& def) {
   requirePositive(def.spacing, "FloaterDef.spacing", "m");
   requirePositive(def.convergence, "FloaterDef.convergence", "m");
+  require(def.fixed >= 0, "FloaterDef.fixed", def.fixed, "", ">= 0");
   require(def.threads > 0, "FloaterDef.threads", def.threads, "", "> 0");
   Relaxation relaxation(positions, surface, def);
   FloaterReport report;
