@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "granular/base/parallel.h"
 #include "granular/base/require.h"
@@ -151,6 +152,7 @@ class Coverer {
       measureHoles();
       ++report.fillRounds;
     }
+    removeBuried();
     // What relaxing opens again and again, at edges mostly, is closed by floaters that stay where they are
     // put.
     for (int attempt = 0; attempt < kLastFills && worstHole() > fillBound(); ++attempt) {
@@ -158,7 +160,6 @@ class Coverer {
       putOnSurface();
       measureHoles();
     }
-    removeBuried();
     describe(report);
     Covering covering{positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
     addEdgeParticles(covering, report);
@@ -214,14 +215,22 @@ class Coverer {
   void removeBuried() {
     if (!hasBuriedParts_) return;
     std::size_t kept = 0;
+    std::int64_t fixedKept = 0;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       if (isBuried(positions_[i])) continue;
       positions_[kept] = positions_[i];
       offsets_[kept] = offsets_[i];
+      isExact_[kept] = isExact_[i];
+      hints_[kept] = hints_[i];
+      if (std::cmp_less(i, fixed_)) fixedKept = static_cast<std::int64_t>(kept) + 1;
       ++kept;
     }
+    fixed_ = fixedKept;
     positions_.resize(kept);
     offsets_.resize(kept);
+    isExact_.resize(kept);
+    hints_.resize(kept);
+    measureHoles();
   }
 
   /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) the parts of

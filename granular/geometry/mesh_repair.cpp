@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -143,7 +144,7 @@ void turnPartsOut(TriangleMesh& mesh, const std::vector<std::int32_t>& part, Mes
     own[part[t]].triangles.push_back(mesh.triangles[t]);
   }
   const Vector3 center = boundingBox(mesh).center();
-  const WindingNumber all(mesh);
+  std::optional<WindingNumber> all;
   std::vector<char> mustTurn(parts, 0);
   for (std::int32_t p = 0; p < parts; ++p) {
     double sixVolumes = 0.0;
@@ -153,7 +154,8 @@ void turnPartsOut(TriangleMesh& mesh, const std::vector<std::int32_t>& part, Mes
     if (sixVolumes >= 0.0) continue;
     const Corners& first = mesh.triangles[firstOf[p]];
     const Vector3 probe = (mesh.vertices[first[0]] + mesh.vertices[first[1]] + mesh.vertices[first[2]]) / 3.0;
-    double ofOthers = all.at(probe);
+    if (!all) all.emplace(mesh);
+    double ofOthers = all->at(probe);
     for (const Corners& t : own[p].triangles) {
       ofOthers -= windingOfTriangle(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], probe);
     }
@@ -173,11 +175,15 @@ TriangleMesh repairMesh(const TriangleMesh& mesh, MeshRepair* repair) {
   if (!(report.area > 0.0)) refuse("it has no area", report);
   MeshRepair own;
   TriangleMesh solid = mesh;
-  if (!report.isSolid() || report.duplicateTriangles.count > 0) {
+  const bool isClosed = report.isClosed() && report.duplicateTriangles.count == 0;
+  if (!isClosed) {
     weldVertices(solid);
     dropUseless(solid, own);
+  }
+  // Where a closed mesh has edges of more than two triangles, its parts need not be closed by themselves.
+  if (!isClosed || report.crowdedEdges.count == 0 || report.volume < 0.0) {
     std::vector<std::int32_t> part = Orienter(solid).run(own);
-    closeGaps(solid, part, own);
+    if (!isClosed) closeGaps(solid, part, own);
     if (own.closingArea > kMostClosing * report.area) {
       std::ostringstream why;
       why << "its gaps are " << own.closingArea << " m^2 wide, more than " << kMostClosing

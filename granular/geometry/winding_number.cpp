@@ -100,12 +100,13 @@ double WindingNumber::at(const Vector3& p) const {
 }
 
 MeshFault findBuriedTriangles(const TriangleMesh& mesh, const WindingNumber& winding) {
-  constexpr double kAside = 1e-4;          // of the longest edge: just off the face
-  constexpr std::size_t kMostPlaces = 20'000;  // 50 ms; more tells nothing new about a mesh
-  // Barycentric weights of corners b and c: the middle, and beside each corner.
-  constexpr std::array<std::array<double, 2>, 4> kPlaces = {{{1.0 / 3.0, 1.0 / 3.0}, {0.05, 0.05}, {0.9, 0.05}, {0.05, 0.9}}};
-  const std::size_t places = 4 * mesh.triangles.size() <= kMostPlaces ? 4 : 1;
-  const std::size_t stride = (places * mesh.triangles.size() + kMostPlaces - 1) / kMostPlaces;
+  constexpr double kAside = 1e-4;                 // of the longest edge: just off the face
+  constexpr double kPlacesByArea = 4000.0;        // shared out among the triangles, beside one for each
+  constexpr std::size_t kMostTriangles = 20'000;  // 50 ms; more tells nothing new about a mesh
+  // Additive recurrence of Roberts (2018), 1/g and 1/g^2 with g^3 = g + 1, from the middle of a triangle.
+  constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
+  const double wholeArea = surfaceArea(mesh);
+  const std::size_t stride = (mesh.triangles.size() + kMostTriangles - 1) / kMostTriangles;
   MeshFault fault;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {
     const auto& corner = mesh.triangles[t];
@@ -114,9 +115,16 @@ MeshFault findBuriedTriangles(const TriangleMesh& mesh, const WindingNumber& win
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     if (!(areaVector.norm() > 1e-6 * longest * longest)) continue;
     const Vector3 aside = kAside * longest * areaVector.normalized();
-    const bool isBuried = std::any_of(kPlaces.begin(), kPlaces.begin() + places, [&](const auto& weight) {
-      return winding.isInside(a + weight[0] * (b - a) + weight[1] * (c - a) + aside);
-    });
+    const int places = 1 + static_cast<int>(0.5 * areaVector.norm() / wholeArea * kPlacesByArea);
+    bool isBuried = false;
+    double u = 1.0 / 3.0, v = 1.0 / 3.0;
+    for (int n = 0; n < places && !isBuried; ++n) {
+      const bool isBeyond = u + v > 1.0;
+      const Vector3 p = a + (isBeyond ? 1.0 - u : u) * (b - a) + (isBeyond ? 1.0 - v : v) * (c - a);
+      isBuried = winding.isInside(p + aside);
+      u = std::fmod(u + kFirst, 1.0);
+      v = std::fmod(v + kSecond, 1.0);
+    }
     if (isBuried && fault.count++ == 0) fault.firstExample = "triangle " + std::to_string(t);
   }
   return fault;

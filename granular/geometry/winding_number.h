@@ -44,9 +44,9 @@ class WindingNumber {
 /// Strackee 1983).
 double windingOfTriangle(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& p);
 
-/// Triangles whose outer side lies inside the solid: where parts overlap or a surface crosses itself. Faces must
-/// look outwards. Up to 20,000 places are looked at, four a triangle at most: a large one that is cut off at a corner
-/// alone may be missed, and of a fine mesh only every so many are counted.
+/// Triangles whose outer side lies inside the solid somewhere: parts overlap, or a surface crosses itself.
+/// Faces must look outwards. Looked for at some 4000 places, evenly over the area, and once a triangle; of
+/// more than 20,000 triangles only every so many are looked at.
 MeshFault findBuriedTriangles(const TriangleMesh& mesh, const WindingNumber& winding);
 
 }  // namespace granular
