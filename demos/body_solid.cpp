@@ -11,6 +11,7 @@
 #include "granular/geometry/mass_properties.h"
 #include "granular/geometry/mesh_file.h"
 #include "granular/geometry/mesh_primitives.h"
+#include "granular/geometry/mesh_repair.h"
 
 namespace granular_demo {
 namespace {
@@ -31,12 +32,12 @@ TriangleMesh placed(TriangleMesh mesh, const Pose& pose) {
 
 TriangleMesh readSolidMesh(const MeshShape& shape) {
   TriangleMesh mesh = granular::readMeshFile(shape.file);
-  if (granular::checkMesh(mesh).isInsideOut()) granular::turnInsideOut(mesh);
-  const granular::MeshReport report = granular::checkMesh(mesh);
-  if (!report.isSolid()) {
-    std::string faults = report.text();
+  try {
+    mesh = granular::repairMesh(mesh);
+  } catch (const std::invalid_argument& error) {
+    std::string faults = error.what();
     std::replace(faults.begin(), faults.end(), '\n', ';');
-    throw std::runtime_error(shape.file.string() + ": not the closed surface of a solid: " + faults);
+    throw std::runtime_error(shape.file.string() + ": " + faults);
   }
   const Box box = granular::boundingBox(mesh);
   const double scale = shape.boundingSize ? *shape.boundingSize / box.size().norm() : shape.scale;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// granular_demo: lists scenes and runs them.
+// granular_demo: lists scenes, runs them, covers meshes.
 //   granular_demo list
 //   granular_demo run splash --scale small --out out/splash
 //   granular_demo export splash --lammps out/splash_lammps
+//   granular_demo cover meshes/camel.obj --out out/camel
 // Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <thread>
 
+#include "demos/cover_command.h"
 #include "demos/export_command.h"
 #include "demos/json_object.h"
 #include "demos/progress_line.h"
@@ -190,6 +192,10 @@ int main(int argc, char** argv) {
   addRunOptions(*runCommand, arguments);
   ExportArguments exportArguments;
   addExportCommand(app, exportArguments);
+  CoverArguments cover;
+  CLI::App* coverCommand = app.add_subcommand(
+      "cover", "Covers a mesh file with particles: pictures, particles as PLY, report");
+  addCoverOptions(*coverCommand, cover);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -197,12 +203,16 @@ int main(int argc, char** argv) {
   }
   try {
     if (app.got_subcommand("export")) return runExport(exportArguments);
+    if (app.got_subcommand(coverCommand)) {
+      runCoverCommand(cover);
+      return 0;
+    }
     return app.got_subcommand("list") ? list() : run(arguments, {argv, argv + argc});
   } catch (const SceneError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "granular_demo: %s\n", error.what());
-    return kFailed;
+    return app.got_subcommand(coverCommand) ? kBadInput : kFailed;
   }
 }

@@ -193,10 +193,100 @@ TEST(Covering, ReportSaysWhatWasMeasured) {
   EXPECT_NE(report.text().find("largest hole"), std::string::npos);
 }
 
-TEST(Covering, RefusesWhatItCannotCover) {
+/// Particles whose envelope is nearest to p: how far it is from p.
+double envelopeGap(const Covering& covering, const Vector3& p) {
+  double best = 1e300;
+  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    best = std::min(best, std::abs((covering.positions[i] - p).norm() - covering.radii[i]));
+  }
+  return best;
+}
+
+// A box of 90 degrees: the particle nearest to a point of an edge stands on the crease at best, sqrt(2) r
+// from the edge, and up to half a spacing (2.1 r) along it: sqrt(2 + 1.05^2) - 1 = 0.76. A corner is sqrt(3)
+// r away.
+TEST(Covering, KeepsTheEdgesOfABoxAsSharpAsParticlesOfItsSizeCan) {
+  const double r = 0.08;
+  CoverReport report;
+  const Covering covering = coverMesh(makeBox({2.0, 2.0, 2.0}), {.particleRadius = r}, &report);
+  EXPECT_LT(report.edgeMax, 0.77 * r);
+  EXPECT_NEAR(report.edgeLength, 24.0, 0.1 * 24.0);
+  double worst = 0.0;
+  for (int n = 0; n <= 200; ++n) worst = std::max(worst, envelopeGap(covering, {1.0, -1.0, -1.0 + 0.01 * n}));
+  EXPECT_LT(worst, 0.77 * r);
+  for (int c = 0; c < 8; ++c) {
+    const Vector3 corner(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
+    EXPECT_NEAR(envelopeGap(covering, corner), (std::numbers::sqrt3 - 1.0) * r, 0.02 * r)
+        << corner.transpose();
+  }
+}
+
+TEST(Covering, OfSmallerParticlesAtTheEdgesHalvesTheErrorThere) {
+  const double r = 0.08;
+  CoverReport plain, fine;
+  coverMesh(makeBox({2.0, 2.0, 2.0}), {.particleRadius = r}, &plain);
+  const Covering covering =
+      coverMesh(makeBox({2.0, 2.0, 2.0}), {.particleRadius = r, .edgeParticleRadius = 0.5 * r}, &fine);
+  EXPECT_LT(fine.edgeMax, 0.77 * 0.5 * r);
+  EXPECT_GT(plain.edgeMean, 1.5 * fine.edgeMean);
+  EXPECT_EQ(covering.radii.size(), covering.positions.size());
+  double area = 0.0;
+  for (const SurfacePiece& piece : covering.pieces) {
+    EXPECT_LT(static_cast<std::size_t>(piece.particle), covering.positions.size());
+    area += piece.areaVector().norm();
+  }
+  EXPECT_NEAR(area, 24.0, 1e-9);
+  // Nowhere beyond the faces: the envelope keeps the body's size.
+  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    EXPECT_LT(covering.positions[i].cwiseAbs().maxCoeff() + covering.radii[i], 1.0 + 1e-3 * r);
+  }
+}
+
+TEST(Covering, OfABoxWithoutALidClosesIt) {
   TriangleMesh open = makeBox({1.0, 1.0, 1.0});
-  open.triangles.pop_back();
-  EXPECT_THROW(coverMesh(open, {.particleRadius = 0.1}), std::invalid_argument);
+  weldVertices(open);
+  std::erase_if(open.triangles, [&](const auto& t) {
+    return open.vertices[t[0]][2] + open.vertices[t[1]][2] + open.vertices[t[2]][2] > 1.4;
+  });
+  CoverReport report;
+  const Covering covering = coverMesh(open, {.particleRadius = 0.08}, &report);
+  EXPECT_EQ(report.repair.closedGaps, 1);
+  EXPECT_NEAR(report.repair.closingArea, 1.0, 1e-12);
+  EXPECT_TRUE(report.holesClosed) << report.text();
+  EXPECT_LT(largestHole(covering, boxSamples(0.5 - 0.08, 5000)), 0.5 * 0.08);
+}
+
+TEST(Covering, OfOverlappingBoxesLeavesNothingInside) {
+  TriangleMesh cross = makeBox({2.0, 0.6, 0.6});
+  append(cross, makeBox({0.6, 2.0, 0.6}));
+  CoverReport report;
+  const double r = 0.05;
+  const Covering covering = coverMesh(cross, {.particleRadius = r}, &report);
+  EXPECT_GT(report.repair.buriedTriangles.count, 0);
+  EXPECT_TRUE(report.holesClosed) << report.text();
+  const auto inBox = [](const Vector3& p, double x, double y) {
+    return std::min({x - std::abs(p[0]), y - std::abs(p[1]), 0.3 - std::abs(p[2])});
+  };
+  for (const Vector3& p : covering.positions) {
+    // Depth below the surface of the union.
+    EXPECT_LT(std::max(inBox(p, 1.0, 0.3), inBox(p, 0.3, 1.0)), 1.5 * r) << p.transpose();
+  }
+}
+
+TEST(Covering, OfASheetHoldsGrainsFromBothSides) {
+  CoverReport report;
+  const double r = 0.04;
+  const Covering covering =
+      coverMesh(makePlanePatch(1.0, 0.8, 4), {.particleRadius = r, .sheetThickness = 0.02}, &report);
+  EXPECT_TRUE(report.holesClosed) << report.text();
+  std::vector<Vector3> middle;
+  for (double x = -0.5 + r; x <= 0.5 - r; x += 0.2 * r) middle.emplace_back(x, 0.013, 0.0);
+  EXPECT_LT(largestHole(covering, middle), 0.65 * r);
+  for (const Vector3& p : covering.positions) EXPECT_LT(std::abs(p[2]), 0.01);
+}
+
+TEST(Covering, RefusesWhatItCannotCover) {
+  EXPECT_THROW(coverMesh(makePlanePatch(1.0, 1.0), {.particleRadius = 0.1}), std::invalid_argument);
   const TriangleMesh box = makeBox({1.0, 1.0, 1.0});
   EXPECT_THROW(coverMesh(box, {}), std::invalid_argument);
   EXPECT_THROW(coverMesh(box, {.particleRadius = -1.0}), std::invalid_argument);

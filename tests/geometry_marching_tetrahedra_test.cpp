@@ -31,8 +31,10 @@ TEST(MarchingTetrahedra, IsWatertightWhereTheSurfacePassesThroughNodes) {
     const Vector3 q = p.cwiseAbs() - Vector3::Constant(0.5);
     return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
   };
-  const SignedDistanceBand band(box, {Vector3::Constant(-0.5), Vector3::Constant(0.5)},
+  // Bounds half a spacing larger: the lattice begins half a spacing off theirs.
+  const SignedDistanceBand band(box, {Vector3::Constant(-0.5625), Vector3::Constant(0.5625)},
                                 {.spacing = 0.125, .lower = 0.0, .upper = 0.0});
+  ASSERT_EQ(std::remainder((band.nodePosition(0, 0, 0)[0] - 0.5) / 0.125, 1.0), 0.0);
   const TriangleMesh mesh = marchingTetrahedra(band, 0.0);
   const MeshReport report = checkMesh(mesh);
   EXPECT_TRUE(report.isSolid()) << report.text();

@@ -14,110 +14,19 @@
 #include "granular/geometry/cover.h"
 #include "granular/geometry/mesh_distance.h"
 #include "granular/geometry/mesh_primitives.h"
-
-/// The leak sanitizer asks for this: assimp 5.2 forgets what it had read of some damaged files.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libassimp";
-}
+#include "mesh_file_fixture.h"
 
 namespace granular {
 namespace {
 
-std::string objText(const TriangleMesh& mesh) {
-  std::ostringstream out;
-  for (const Vector3& v : mesh.vertices) out << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
-  for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-  return out.str();
-}
-
-std::string offText(const TriangleMesh& mesh) {
-  std::ostringstream out;
-  out << "OFF\n" << mesh.vertices.size() << ' ' << mesh.triangles.size() << " 0\n";
-  for (const Vector3& v : mesh.vertices) out << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
-  for (const auto& t : mesh.triangles) out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
-  return out.str();
-}
-
-std::string plyText(const TriangleMesh& mesh, std::size_t announcedFaces) {
-  std::ostringstream out;
-  out << "ply\nformat ascii 1.0\nelement vertex " << mesh.vertices.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << announcedFaces
-      << "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const Vector3& v : mesh.vertices) out << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
-  for (const auto& t : mesh.triangles) out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
-  return out.str();
-}
-
-template <class Number>
-void put(std::string& out, Number value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  out.append(bytes, sizeof value);
-}
-
-std::string stlBytes(const TriangleMesh& mesh, std::uint32_t announced) {
-  std::string out(80, ' ');
-  put(out, announced);
-  for (const auto& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) put(out, 0.0f);
-    for (std::int32_t v : t) {
-      for (int axis = 0; axis < 3; ++axis) put(out, static_cast<float>(mesh.vertices[v][axis]));
-    }
-    put(out, std::uint16_t{0});
-  }
-  return out;
-}
-
-class MeshFile : public testing::Test {
- protected:
-  MeshFile() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string("granular_mesh_file_") + test->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~MeshFile() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return folder_ / name;
-  }
-
-  /// The message of the refusal, which must be one line with the path in it.
-  static std::string refusal(const std::filesystem::path& path, const MeshFileLimits& limits = {}) {
-    try {
-      readMeshFile(path, limits);
-    } catch (const std::runtime_error& error) {
-      const std::string text = error.what();
-      EXPECT_NE(text.find(path.string()), std::string::npos) << text;
-      EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-      return text;
-    }
-    ADD_FAILURE() << path << " was read";
-    return {};
-  }
-
-  static void expectRefused(const std::filesystem::path& path, const std::string& reason,
-                            const MeshFileLimits& limits = {}) {
-    EXPECT_NE(refusal(path, limits).find(reason), std::string::npos) << refusal(path, limits);
-  }
-
-  const TriangleMesh box_ = makeBox({1.0, 2.0, 4.0}, 2);
-  std::filesystem::path folder_;
-};
-
 TEST_F(MeshFile, ReadsTheSameBoxFromEveryKindOfFile) {
-  const std::filesystem::path files[] = {
-      write("box.obj", objText(box_)), write("box.off", offText(box_)),
-      write("box.ply", plyText(box_, box_.triangles.size())),
-      write("box.STL", stlBytes(box_, static_cast<std::uint32_t>(box_.triangles.size())))};
-  for (const auto& file : files) {
-    const TriangleMesh mesh = readMeshFile(file);
+  for (const auto& [name, content] : everyKindOfFile(box_)) {
+    const TriangleMesh mesh = readMeshFile(write(name, content));
     const MeshReport report = checkMesh(mesh);
-    EXPECT_TRUE(report.isSolid()) << file << ": " << report.text();
-    EXPECT_EQ(mesh.vertices.size(), box_.vertices.size()) << file;  // STL has every corner six times: welded
-    EXPECT_EQ(mesh.triangles.size(), box_.triangles.size()) << file;
-    EXPECT_NEAR(report.volume, 8.0, 1e-6) << file;
+    EXPECT_TRUE(report.isSolid()) << name << ": " << report.text();
+    EXPECT_EQ(mesh.vertices.size(), box_.vertices.size()) << name;  // STL has every corner six times: welded
+    EXPECT_EQ(mesh.triangles.size(), box_.triangles.size()) << name;
+    EXPECT_NEAR(report.volume, 8.0, 1e-6) << name;
   }
 }
 

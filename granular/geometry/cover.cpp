@@ -2,14 +2,18 @@
 #include "granular/geometry/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "granular/base/parallel.h"
 #include "granular/base/require.h"
+#include "granular/geometry/detail/feature_lines.h"
+#include "granular/geometry/detail/nearest_batch.h"
 #include "granular/geometry/detail/point_grid.h"
 #include "granular/geometry/detail/surface_pieces.h"
 #include "granular/geometry/detail/surface_samples.h"
@@ -30,6 +34,8 @@ constexpr double kMeshSampleSpacing = 0.45;
 constexpr double kHoleMargin =
     0.1;  // of r: holes are filled down to this much below the bound, for what lies between samples
 constexpr double kFarthestHole = 6.0;  // of r: emptier places than this are not told apart
+constexpr double kUsualHole = 1.5;     // of r: nearly every place has a centre this near
+constexpr double kAskingCell = 1.5;    // of r, of the cells in which places ask together
 constexpr double kThinDepth =
     0.9;  // of half the thickness: far enough from the middle for a clear direction outwards
 constexpr double kThinReach =
@@ -41,6 +47,7 @@ constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surfa
 constexpr double kSettled = 1e-9;     // of r: off the offset surface by no more than this
 constexpr double kNotSettled = 1e-3;  // of r: off by more than this, the surface is not there
 constexpr int kLastFills = 4;         // one is enough where the iso-surface is resolved
+constexpr double kAside = 1e-3;       // of r: beside the surface, to see what is on either side
 constexpr std::int64_t kItemsAPiece = 512;  // of parallel work
 
 /// CoverDef with every default replaced by its number.
@@ -68,6 +75,13 @@ Settings settle(const CoverDef& def) {
       2.0 * std::numbers::pi / std::numbers::sqrt3 * s.radius * s.radius;  // D spacing^2
   s.density = def.density.value_or(hexagonalDensity / (evenSpacing * evenSpacing));
   requirePositive(s.density, "CoverDef.density", "");
+  require(def.sharpEdgeDegrees > 0.0 && def.sharpEdgeDegrees <= 180.0, "CoverDef.sharpEdgeDegrees",
+          def.sharpEdgeDegrees, "degrees", "in (0, 180]");
+  if (def.edgeParticleRadius) {
+    const double edge = *def.edgeParticleRadius;
+    require(edge >= s.radius / 3.0 && edge < s.radius, "CoverDef.edgeParticleRadius", edge, "m",
+            "at least a third of particleRadius, and smaller than it");
+  }
   s.spacing = std::sqrt(hexagonalDensity / s.density);
   return s;
 }
@@ -90,60 +104,123 @@ struct Spot {
 
 class Coverer {
  public:
-  Coverer(const TriangleMesh& mesh, const CoverDef& def, const Settings& settings)
+  Coverer(const TriangleMesh& mesh, bool hasBuriedParts, const CoverDef& def, const Settings& settings)
       : mesh_(mesh),
         def_(def),
         set_(settings),
         executor_(def.threads),
-        exact_(mesh),
+        exact_(mesh, hasBuriedParts ? MeshSign::WindingNumber : MeshSign::PseudoNormal),
         band_(exact_, {.spacing = set_.radius,
                        .lower = set_.offset - set_.radius,
                        .upper = set_.offset + set_.radius,
-                       .threads = def.threads}) {}
+                       .threads = def.threads}),
+        hasBuriedParts_(hasBuriedParts) {}
 
   Covering run(CoverReport& report) {
     startFloaters();
     findSpots();
     relax(report);
-    measureHoles(set_.radius + fillBound());
+    measureHoles();
     while (worstHole() > fillBound() && report.fillRounds < def_.maxFillRounds) {
       report.filledParticles += fillHoles();
       relax(report);
-      measureHoles(set_.radius + fillBound());
+      measureHoles();
       ++report.fillRounds;
     }
+    removeBuried();
     // What relaxing opens again and again, at edges mostly, is closed by floaters that stay where they are
     // put.
     for (int attempt = 0; attempt < kLastFills && worstHole() > fillBound(); ++attempt) {
       report.filledParticles += fillHoles();
       putOnSurface();
-      measureHoles(set_.radius + fillBound());
+      measureHoles();
     }
     describe(report);
-    return {positions_, std::vector<double>(positions_.size(), set_.radius),
-            detail::shareSurface(mesh_, {positions_, offsets_, set_.radius, kFarthestHole}, executor_)};
+    Covering covering{positions_, std::vector<double>(positions_.size(), set_.radius), sharedSurface()};
+    addEdgeParticles(covering, report);
+    return covering;
   }
 
  private:
   void startFloaters() {
     isoSurface_ = marchingTetrahedra(band_, set_.offset);
     requireAffordable(surfaceArea(isoSurface_), set_, def_.maxParticles);
-    positions_ = seedFloaters(isoSurface_, set_.radius, set_.density, Random(def_.seed));
+    positions_ = detail::creasePoints(mesh_, exact_, featureDef(set_.offset, set_.spacing));
+    fixed_ = std::ssize(positions_);
+    addSeeds(seedFloaters(isoSurface_, set_.radius, set_.density, Random(def_.seed)));
     offsets_.assign(positions_.size(), set_.offset);
     isExact_.assign(positions_.size(), 0);
     hints_.assign(positions_.size(), -1);
+  }
+
+  detail::FeatureDef featureDef(double offset, double spacing) const {
+    return {.offset = offset, .spacing = spacing, .sharpDegrees = def_.sharpEdgeDegrees};
+  }
+
+  /// Of the seeds, the nearest to each particle that has its place already makes room for it.
+  void addSeeds(const std::vector<Vector3>& seeds) {
+    std::vector<char> isDropped(seeds.size(), 0);
+    const double reach = 0.7 * set_.spacing;
+    const detail::PointGrid grid(seeds, set_.spacing);
+    for (const Vector3& p : positions_) {
+      std::int32_t nearest = -1;
+      double best = reach * reach;
+      grid.forEachNear(p, reach, [&](std::int32_t i, const Vector3& q) {
+        const double squared = (q - p).squaredNorm();
+        if (!isDropped[i] && squared < best) best = squared, nearest = i;
+      });
+      if (nearest >= 0) isDropped[nearest] = 1;
+    }
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      if (!isDropped[i]) positions_.push_back(seeds[i]);
+    }
+  }
+
+  /// The mesh near a point has the solid on both sides there: parts overlap.
+  bool isBuried(const Vector3& p) const {
+    const NearestPoint near = exact_.nearest(p);
+    const Vector3 away = p - near.point;
+    const Vector3 aside =
+        kAside * set_.radius * (away.norm() > kAside * set_.radius ? away.normalized() : near.normal);
+    return exact_.nearest(near.point + aside).signedDistance < 0.0 &&
+           exact_.nearest(near.point - aside).signedDistance < 0.0;
+  }
+
+  /// Particles that no grain can come to.
+  void removeBuried() {
+    if (!hasBuriedParts_) return;
+    std::size_t kept = 0;
+    std::int64_t fixedKept = 0;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      if (isBuried(positions_[i])) continue;
+      positions_[kept] = positions_[i];
+      offsets_[kept] = offsets_[i];
+      isExact_[kept] = isExact_[i];
+      hints_[kept] = hints_[i];
+      if (std::cmp_less(i, fixed_)) fixedKept = static_cast<std::int64_t>(kept) + 1;
+      ++kept;
+    }
+    fixed_ = fixedKept;
+    positions_.resize(kept);
+    offsets_.resize(kept);
+    isExact_.resize(kept);
+    hints_.resize(kept);
+    measureHoles();
   }
 
   /// Where the covering will be asked for holes: all over the iso-surface, and below (or above) the parts of
   /// the mesh that it misses.
   void findSpots() {
     meshSamples_ = sampleSurface(mesh_, std::pow(kMeshSampleSpacing * set_.radius, 2));
+    if (hasBuriedParts_)
+      std::erase_if(meshSamples_, [&](const SurfacePoint& s) { return isBuried(s.point); });
     std::vector<std::optional<Spot>> missed(meshSamples_.size());
     executor_.forRanges(std::ssize(missed), kItemsAPiece, [&](std::int64_t begin, std::int64_t end) {
       std::int32_t hint = -1;
+      std::array<SignedDistanceBand::Cursor, 3> cursors;
       for (std::int64_t i = begin; i < end; ++i) {
         const SurfacePoint& s = meshSamples_[i];
-        if (!isOnIsoSurface(s.point + set_.offset * s.normal)) missed[i] = spotAt(s, hint);
+        if (!isOnIsoSurface(s.point + set_.offset * s.normal, cursors)) missed[i] = spotAt(s, hint);
       }
     });
     for (const auto& spot : missed) {
@@ -152,15 +229,19 @@ class Coverer {
     for (const SurfacePoint& s : sampleSurface(isoSurface_, std::pow(kIsoSampleSpacing * set_.radius, 2))) {
       spots_.push_back({s.point, set_.offset, false});
     }
+    if (hasBuriedParts_) std::erase_if(spots_, [&](const Spot& spot) { return isBuried(spot.point); });
     nearest_.resize(spots_.size());
+    std::vector<Vector3> points;
+    for (const Spot& spot : spots_) points.push_back(spot.point);
+    spotBatch_.emplace(points, kAskingCell * set_.radius);
   }
 
   /// The iso-surface passes close by: the band crosses the offset with a clear slope.
-  bool isOnIsoSurface(const Vector3& p) const {
-    const auto at = band_.sample(p);
+  bool isOnIsoSurface(const Vector3& p, std::array<SignedDistanceBand::Cursor, 3>& cursors) const {
+    const auto at = band_.sample(p, cursors[0]);
     if (!at || at->gradient.norm() < kClearSlope) return false;
     const Vector3 outwards = kResolved * set_.radius * at->gradient.normalized();
-    const auto above = band_.sample(p + outwards), below = band_.sample(p - outwards);
+    const auto above = band_.sample(p + outwards, cursors[1]), below = band_.sample(p - outwards, cursors[2]);
     return above && below && above->value > set_.offset && below->value < set_.offset;
   }
 
@@ -214,7 +295,7 @@ class Coverer {
   /// follows the exact distance from then on: going to and fro between the two it would never come to rest.
   SurfaceSample surface(std::int32_t i, const Vector3& p) {
     if (!isExact_[i]) {
-      const auto s = band_.sample(p);
+      const auto s = band_.sample(p, cursors_[i]);
       const double slope = s ? s->gradient.norm() : 0.0;
       if (slope > kClearSlope) return {s->value - offsets_[i], s->gradient / slope};
       isExact_[i] = 1;
@@ -223,12 +304,15 @@ class Coverer {
   }
 
   void relax(CoverReport& report) {
+    cursors_.assign(positions_.size(), {});
     const FloaterReport floaters =
         relaxFloaters(positions_, [this](std::int32_t i, const Vector3& p) { return surface(i, p); },
                       {.spacing = set_.spacing,
                        .convergence = def_.convergence * set_.radius,
                        .maxIterations = def_.maxIterations,
+                       .fixed = fixed_,
                        .threads = def_.threads});
+    cursors_ = {};
     report.iterations += floaters.iterations;
     report.converged = floaters.converged;
     putOnSurface();
@@ -260,18 +344,11 @@ class Coverer {
     }
   }
 
-  /// Distance from each spot to the nearest floater; no more than that it is below `enough` where it is.
-  void measureHoles(double enough) {
-    const detail::PointGrid grid(positions_, set_.spacing);
-    executor_.forRanges(static_cast<std::int64_t>(spots_.size()), kItemsAPiece,
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (std::int64_t i = begin; i < end; ++i) {
-                            const Vector3& p = spots_[i].point;
-                            nearest_[i] = grid.hasPointNearer(p, enough)
-                                              ? enough
-                                              : grid.nearestDistance(p, kFarthestHole * set_.radius);
-                          }
-                        });
+  /// Distance from each spot to the nearest floater.
+  void measureHoles() {
+    const auto answers =
+        spotBatch_->nearest(positions_, kUsualHole * set_.radius, kFarthestHole * set_.radius, executor_);
+    for (std::size_t i = 0; i < answers.size(); ++i) nearest_[i] = answers[i].distance;
   }
 
   double worstHole() const {
@@ -315,7 +392,7 @@ class Coverer {
   }
 
   void describe(CoverReport& report) {
-    measureHoles(0.0);
+    measureHoles();
     report.particleCount = static_cast<std::int64_t>(positions_.size());
     report.particleRadius = set_.radius;
     report.smallestGrainRadius = set_.grainRadius;
@@ -325,13 +402,14 @@ class Coverer {
     report.holesClosed = report.largestHole <= report.holeBound;
     report.thinParticles =
         std::count_if(offsets_.begin(), offsets_.end(), [&](double o) { return o != set_.offset; });
-    const detail::PointGrid grid(positions_, set_.spacing);
-    describeSpacing(grid, report);
-    describeEnvelope(grid, report);
+    describeSpacing(report);
+    findNearestToMesh();
+    describeEnvelope(report);
   }
 
-  void describeSpacing(const detail::PointGrid& grid, CoverReport& report) const {
+  void describeSpacing(CoverReport& report) const {
     if (positions_.size() < 2) return;
+    const detail::PointGrid grid(positions_, set_.spacing);
     std::vector<double> spacing(positions_.size());
     for (std::size_t i = 0; i < spacing.size(); ++i) {
       spacing[i] =
@@ -343,11 +421,67 @@ class Coverer {
     report.spacingMax = spacing.back();
   }
 
-  void describeEnvelope(const detail::PointGrid& grid, CoverReport& report) const {
+  /// Covering::pieces: the surface where it is seen from outside.
+  std::vector<SurfacePiece> sharedSurface() const {
+    std::vector<SurfacePiece> pieces =
+        detail::shareSurface(mesh_, {positions_, offsets_, set_.radius, kFarthestHole}, executor_);
+    if (hasBuriedParts_) {
+      std::erase_if(pieces, [&](const SurfacePiece& piece) {
+        return isBuried((piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3.0);
+      });
+    }
+    return pieces;
+  }
+
+  void findNearestToMesh() {
+    std::vector<Vector3> points;
+    for (const SurfacePoint& s : meshSamples_) points.push_back(s.point);
+    const double depth = std::abs(set_.offset);
+    nearestToMesh_ = detail::NearestBatch(points, kAskingCell * set_.radius)
+                         .nearest(positions_, std::hypot(depth, kUsualHole * set_.radius),
+                                  kFarthestHole * set_.radius + depth, executor_);
+  }
+
+  /// Smaller particles along the convex edges, where those of radius r cannot reach.
+  void addEdgeParticles(Covering& covering, CoverReport& report) const {
+    report.edgeParticles = fixed_;
+    const double small = def_.edgeParticleRadius.value_or(set_.radius);
+    std::vector<Vector3> points;
+    if (def_.edgeParticleRadius) {
+      points = detail::creasePoints(
+          mesh_, exact_, featureDef(set_.offset + set_.radius - small, set_.spacing * small / set_.radius));
+      if (hasBuriedParts_) std::erase_if(points, [&](const Vector3& p) { return isBuried(p); });
+    }
+    report.edgeParticles += std::ssize(points);
+    report.particleCount += std::ssize(points);
+    for (const Vector3& p : points) {
+      covering.positions.push_back(p);
+      covering.radii.push_back(small);
+    }
+    describeEdges(points, small, report);
+  }
+
+  void describeEdges(const std::vector<Vector3>& smallOnes, double small, CoverReport& report) const {
+    const double apart = kIsoSampleSpacing * set_.radius;
+    const std::vector<Vector3> samples = detail::sharpEdgePoints(mesh_, featureDef(0.0, apart));
+    if (samples.empty()) return;
+    const double farthest = kFarthestHole * set_.radius + std::abs(set_.offset);
+    const detail::PointGrid large(positions_, set_.spacing), fine(smallOnes, set_.spacing);
     double sum = 0.0;
-    for (const SurfacePoint& s : meshSamples_) {
-      const double farthest = kFarthestHole * set_.radius + std::abs(set_.offset);
-      const double gap = std::abs(grid.nearestDistance(s.point, farthest) - set_.radius);
+    for (const Vector3& p : samples) {
+      const double gap = std::min(std::abs(large.nearestDistance(p, farthest) - set_.radius),
+                                  std::abs(fine.nearestDistance(p, farthest) - small));
+      sum += gap;
+      report.edgeMax = std::max(report.edgeMax, gap);
+    }
+    report.edgeMean = sum / static_cast<double>(samples.size());
+    report.edgeLength = apart * static_cast<double>(samples.size());
+  }
+
+  void describeEnvelope(CoverReport& report) const {
+    double sum = 0.0;
+    for (const detail::NearestBatch::Answer& nearest : nearestToMesh_) {
+      const double gap = std::abs(nearest.distance - set_.radius);
       sum += gap;
       report.envelopeMax = std::max(report.envelopeMax, gap);
     }
@@ -360,45 +494,32 @@ class Coverer {
   Executor executor_;
   MeshDistance exact_;
   SignedDistanceBand band_;
+  bool hasBuriedParts_;
+  std::int64_t fixed_ = 0;  // the first so many floaters have their place
   TriangleMesh isoSurface_;
   std::vector<SurfacePoint> meshSamples_;
   std::vector<Spot> spots_;
-  std::vector<double> nearest_;      // distance from spot i to the nearest floater, m
-  std::vector<Vector3> positions_;   // floater i
-  std::vector<double> offsets_;      // of the surface that floater i lives on, m
-  std::vector<char> isExact_;        // floater i follows the exact distance instead of the band
-  std::vector<std::int32_t> hints_;  // triangle last nearest to floater i
+  std::optional<detail::NearestBatch> spotBatch_;
+  std::vector<double> nearest_;                              // distance from spot i to the nearest floater, m
+  std::vector<detail::NearestBatch::Answer> nearestToMesh_;  // floater nearest to mesh sample i
+  std::vector<Vector3> positions_;                           // floater i
+  std::vector<double> offsets_;                              // of the surface that floater i lives on, m
+  std::vector<char> isExact_;  // floater i follows the exact distance instead of the band
+  std::vector<SignedDistanceBand::Cursor> cursors_;  // of floater i, while they relax
+  std::vector<std::int32_t> hints_;                  // triangle last nearest to floater i
 };
 
 }  // namespace
 
 Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* report) {
   const Settings settings = settle(def);
-  const MeshReport check = checkMesh(mesh);
-  if (!check.isSolid()) {
-    throw std::invalid_argument("coverMesh needs the closed surface of a solid; the mesh has " +
-                                check.text());
-  }
-  requireAffordable(check.area, settings, def.maxParticles);
   CoverReport own;
-  Covering covering = Coverer(mesh, def, settings).run(own);
+  const TriangleMesh solid =
+      repairMesh(def.sheetThickness ? makeSheet(mesh, *def.sheetThickness) : mesh, &own.repair);
+  requireAffordable(surfaceArea(solid), settings, def.maxParticles);
+  Covering covering = Coverer(solid, own.repair.buriedTriangles.count > 0, def, settings).run(own);
   if (report) *report = own;
   return covering;
-}
-
-std::string CoverReport::text() const {
-  const double r = particleRadius;
-  std::ostringstream out;
-  out << particleCount << " particles of radius " << r << " m (D " << density << ", " << filledParticles
-      << " added in holes, " << thinParticles << " in thin parts)"
-      << "\nspacing / r: min " << spacingMin / r << ", median " << spacingMedian / r << ", max "
-      << spacingMax / r << "\nlargest hole: radius " << largestHole / r << " r, "
-      << largestHole / smallestGrainRadius << " of the smallest grain's; allowed " << holeBound / r
-      << " r: " << (holesClosed ? "holds" : "NOT REACHED") << "\nenvelope from the mesh: mean "
-      << envelopeMean / r << " r, max " << envelopeMax / r << " r"
-      << "\nfloaters: " << iterations << " iterations, " << fillRounds << " fill rounds, "
-      << (converged ? "converged" : "NOT CONVERGED");
-  return out.str();
 }
 
 void append(Covering& covering, const Covering& more) {

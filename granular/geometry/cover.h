@@ -10,6 +10,7 @@
 #include <string>
 
 #include "granular/geometry/covering.h"
+#include "granular/geometry/mesh_repair.h"
 #include "granular/geometry/triangle_mesh.h"
 
 namespace granular {
@@ -31,6 +32,18 @@ struct CoverDef {
   /// = 1.25 times as long. For grains of radius r this gives D = 0.84.
   std::optional<double> density = {};
 
+  /// Along edges whose faces' normals differ by more than this, and at their ends, particles are placed first
+  /// and stay, so that the covering keeps edges and corners; degrees, in (0, 180]. 180: none.
+  double sharpEdgeDegrees = 40.0;
+
+  /// Radius of further, smaller particles along sharp convex edges, m: the envelope's error
+  /// there falls with it. None unless asked for. Contact laws and searches like similar sizes: at least a
+  /// third of particleRadius.
+  std::optional<double> edgeParticleRadius = {};
+
+  /// Covers a sheet: the mesh, which may be open, is given this thickness (makeSheet), m, > 0.
+  std::optional<double> sheetThickness = {};
+
   double smallestGrainRadius = 0.0;  ///< m; of the grains that must not pass. 0: r
 
   /// Bound on the radius of a hole, m, > 0. Default: half the smallest grain's radius. A grain could pass
@@ -39,7 +52,7 @@ struct CoverDef {
   std::optional<double> largestHole = {};
 
   std::uint64_t seed = 1;
-  double convergence = 5e-3;  ///< of r: done when the root mean square move of the floaters is below this
+  double convergence = 0.01;  ///< of r: done when the root mean square move of the floaters is below this
   int maxIterations = 500;    ///< of the floaters, in each round
   int maxFillRounds = 2;      ///< of filling holes and relaxing again
   std::int64_t maxParticles = 2'000'000;  ///< more than this is refused before anything is built
@@ -63,19 +76,25 @@ struct CoverReport {
   bool holesClosed = false;    ///< largestHole <= holeBound
   double envelopeMean = 0.0;   ///< distance of the mesh surface from the nearest particle's surface: mean
   double envelopeMax = 0.0;    ///< and largest; edges and corners are rounded off by a covering from within
-  int iterations = 0;          ///< of the floaters, all rounds together
+  double edgeLength = 0.0;     ///< of sharp convex edges of the mesh
+  double edgeMean = 0.0;       ///< distance of these edges from the nearest particle's surface: mean
+  double edgeMax = 0.0;        ///< and largest
+  std::int64_t edgeParticles = 0;  ///< particles placed along sharp edges, of either radius
+  int iterations = 0;              ///< of the floaters, all rounds together
   int fillRounds = 0;
   std::int64_t filledParticles = 0;  ///< floaters added to close holes
   std::int64_t thinParticles = 0;    ///< particles in parts too thin for the offset
   bool converged = false;            ///< the floaters, in the last round
+  MeshRepair repair = {};            ///< what was done to the mesh before
 
   std::string text() const;
 };
 
 /// Covers the surface of a solid. Positions are in the frame of the mesh; for a body, hand in
 /// seenFrom(massProperties.principalFrame, mesh). The same def gives the same bits on any number of threads.
-/// Throws std::invalid_argument if a field is out of range, the mesh is not the closed surface of a solid, or
-/// the covering would need more than maxParticles.
+/// A mesh that is not quite the surface of a solid is repaired (repairMesh). Throws std::invalid_argument if
+/// a field is out of range, the mesh cannot be the surface of a solid, or the covering would need more than
+/// maxParticles.
 Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* report = nullptr);
 
 /// Adds the particles of `more`, e.g. a second layer of other radius, offset and seed that roughens the

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "granular/geometry/detail/mesh_sides.h"
+
 namespace granular {
 namespace {
 
@@ -32,7 +34,7 @@ bool hasNoArea(const std::array<Vector3, 3>& c, const Vector3& areaVector) {
 
 }  // namespace
 
-MeshDistance::MeshDistance(const TriangleMesh& mesh) : bounds_(boundingBox(mesh)) {
+MeshDistance::MeshDistance(const TriangleMesh& mesh, MeshSign sign) : bounds_(boundingBox(mesh)) {
   const MeshReport report = checkMesh(mesh);
   if (!report.isReadable()) throw std::invalid_argument("MeshDistance cannot use the mesh: " + report.text());
   triangles_.resize(mesh.triangles.size());
@@ -42,6 +44,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh) : bounds_(boundingBox(mesh)
     triangles_[t].flat = hasNoArea(triangles_[t].corner, doubleAreaVector(mesh, mesh.triangles[t]));
   }
   computeNormals(mesh);
+  if (sign == MeshSign::WindingNumber) winding_.emplace(mesh);
   nodes_.reserve(2 * triangles_.size() / kLeafTriangles + 1);
   buildTree(0, static_cast<std::int32_t>(triangles_.size()));
   slotOfTriangle_.resize(triangles_.size());
@@ -53,10 +56,6 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh) : bounds_(boundingBox(mesh)
 /// Faces: their normals. Edges: sum of the normals of the faces that meet there. Corners: sum of the normals
 /// of the faces around, each times its angle at the corner (Baerentzen & Aanaes 2002, sec. 3).
 void MeshDistance::computeNormals(const TriangleMesh& mesh) {
-  struct Side {
-    std::int32_t low, high, triangle, edge;
-  };
-  std::vector<Side> sides;
   std::vector<Vector3> ofVertex(mesh.vertices.size(), Vector3::Zero());
   normals_.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -67,38 +66,28 @@ void MeshDistance::computeNormals(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const int next = (k + 1) % 3, last = (k + 2) % 3;
       ofVertex[corner[k]] += angleBetween(x[next] - x[k], x[last] - x[k]) * normal;
-      sides.push_back({std::min(corner[k], corner[next]), std::max(corner[k], corner[next]),
-                       static_cast<std::int32_t>(t), k});
     }
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
-  for (std::size_t first = 0, last; first < sides.size(); first = last) {
+  const std::vector<detail::MeshSide> sides = detail::sortedSides(mesh.triangles);
+  detail::forEachEdge(sides, [&](std::size_t first, std::size_t last) {
     Vector3 sum = Vector3::Zero();
-    for (last = first;
-         last < sides.size() && sides[last].low == sides[first].low && sides[last].high == sides[first].high;
-         ++last) {
-      sum += normals_[sides[last].triangle][kFace];
-    }
-    for (std::size_t s = first; s < last; ++s)
-      normals_[sides[s].triangle][kEdge0 + sides[s].edge] = unitOrZero(sum);
-  }
+    for (std::size_t i = first; i < last; ++i) sum += normals_[sides[i].triangle][kFace];
+    for (std::size_t i = first; i < last; ++i)
+      normals_[sides[i].triangle][kEdge0 + sides[i].corner] = unitOrZero(sum);
+  });
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) normals_[t][kCorner0 + k] = unitOrZero(ofVertex[mesh.triangles[t][k]]);
   }
 }
 
-/// Splits at the median along the longest side of the box of the centroids.
+/// Splits at the median along the longest side of the box of the centroids (here three times as far out).
 std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
   const auto self = static_cast<std::int32_t>(nodes_.size());
   TreeNode node;
   node.lower = Vector3::Constant(std::numeric_limits<double>::infinity());
   node.upper = -node.lower;
   Vector3 lowest = node.lower, highest = node.upper;
-  const auto centroid = [](const Triangle& t) {
-    return Vector3((t.corner[0] + t.corner[1] + t.corner[2]) / 3.0);
-  };
+  const auto centroid = [](const Triangle& t) { return Vector3(t.corner[0] + t.corner[1] + t.corner[2]); };
   for (std::int32_t s = first; s < last; ++s) {
     for (const Vector3& c : triangles_[s].corner) {
       node.lower = node.lower.cwiseMin(c);
@@ -117,8 +106,9 @@ std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
   (highest - lowest).maxCoeff(&axis);
   const std::int32_t middle = first + (last - first) / 2;
   std::nth_element(triangles_.begin() + first, triangles_.begin() + middle, triangles_.begin() + last,
-                   [&](const Triangle& a, const Triangle& b) {
-                     const double x = centroid(a)[axis], y = centroid(b)[axis];
+                   [axis](const Triangle& a, const Triangle& b) {
+                     const double x = a.corner[0][axis] + a.corner[1][axis] + a.corner[2][axis];
+                     const double y = b.corner[0][axis] + b.corner[1][axis] + b.corner[2][axis];
                      return x != y ? x < y : a.index < b.index;
                    });
   buildTree(first, middle);
@@ -127,14 +117,17 @@ std::int32_t MeshDistance::buildTree(std::int32_t first, std::int32_t last) {
 }
 
 /// Nearest point of a triangle. First the inside of the face, where all three barycentric weights of the foot
-/// point are positive; otherwise the nearest of the three edges, each with its two ends.
+/// point are positive; otherwise the nearest of the edges beyond which it lies, each with its two ends. (It
+/// is never on another edge: a point nearest to one lies beyond it.)
 MeshDistance::Candidate MeshDistance::nearestOnTriangle(const Triangle& t, const Vector3& p) {
   const Vector3 u = t.corner[1] - t.corner[0], v = t.corner[2] - t.corner[0], w = p - t.corner[0];
+  std::array<bool, 3> isBeyond = {true, true, true};  // edge k
   if (!t.flat) {
     const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), wu = w.dot(u), wv = w.dot(v);
     const double scale = uu * vv - uv * uv;
     const double b = vv * wu - uv * wv, c = uu * wv - uv * wu;
-    if (b > 0.0 && c > 0.0 && b + c < scale) {
+    isBeyond = {!(c > 0.0), !(b + c < scale), !(b > 0.0)};
+    if (!isBeyond[0] && !isBeyond[1] && !isBeyond[2]) {
       const Vector3 normal = u.cross(v);
       const double height = w.dot(normal);
       const double squaredNormal = normal.squaredNorm();
@@ -143,6 +136,7 @@ MeshDistance::Candidate MeshDistance::nearestOnTriangle(const Triangle& t, const
   }
   Candidate best{std::numeric_limits<double>::infinity(), Vector3::Zero(), -1, kFace};
   for (int k = 0; k < 3; ++k) {
+    if (!isBeyond[k]) continue;
     const Vector3& from = t.corner[k];
     const Vector3 along = t.corner[(k + 1) % 3] - from;
     const double length = along.squaredNorm();
@@ -218,8 +212,12 @@ NearestPoint MeshDistance::finish(const Candidate& best, const Vector3& p) const
   result.point = best.point;
   result.triangle = triangles_[best.slot].index;
   result.normal = normals_[result.triangle][best.feature];
-  const double side = (p - best.point).dot(result.normal);
-  result.signedDistance = std::copysign(std::sqrt(best.squaredDistance), side);
+  const double distance = std::sqrt(best.squaredDistance);
+  if (winding_) {
+    result.signedDistance = winding_->isInside(p) ? -distance : distance;
+  } else {
+    result.signedDistance = std::copysign(distance, (p - best.point).dot(result.normal));
+  }
   return result;
 }
 

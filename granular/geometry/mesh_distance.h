@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Exact signed distance from a point to a mesh: the nearest point of the nearest triangle, found in a tree of
 // boxes, with the sign of the angle-weighted pseudo-normal there (Baerentzen & Aanaes 2002), which is right
-// on faces, edges and corners alike. The distance band samples it; the covering uses it where a sample grid
-// is not exact enough.
+// on faces, edges and corners alike, or of the winding number, which is right for surfaces that cross
+// themselves. The distance band samples it; the covering uses it where a sample grid is not exact enough.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "granular/geometry/triangle_mesh.h"
+#include "granular/geometry/winding_number.h"
 
 namespace granular {
 
@@ -23,11 +24,17 @@ struct NearestPoint {
   std::int32_t triangle = -1;
 };
 
+/// How inside is told from outside.
+enum class MeshSign {
+  PseudoNormal,   ///< right for closed surfaces that do not cross themselves; costs nothing
+  WindingNumber,  ///< right where parts overlap, and as right as can be near gaps; several times the time
+};
+
 class MeshDistance {
  public:
   /// Copies what it needs. The mesh must be readable (MeshReport::isReadable), or std::invalid_argument is
   /// thrown; signs mean something only if it is closed as well. Zero-area triangles count by their edges.
-  explicit MeshDistance(const TriangleMesh& mesh);
+  explicit MeshDistance(const TriangleMesh& mesh, MeshSign sign = MeshSign::PseudoNormal);
 
   /// Nearest point. The answer's bits depend on p alone: `hint`, a triangle thought to be near (say that of
   /// the last query), only saves time.
@@ -70,6 +77,7 @@ class MeshDistance {
   std::vector<std::int32_t> slotOfTriangle_;     // mesh index -> place in triangles_
   std::vector<std::array<Vector3, 7>> normals_;  // of mesh triangle t, one a Feature
   std::vector<TreeNode> nodes_;
+  std::optional<WindingNumber> winding_;
   Box bounds_;
 };
 

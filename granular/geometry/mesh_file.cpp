@@ -16,7 +16,10 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
+#include "granular/base/require.h"
+#include "granular/geometry/detail/child_process.h"
 #include "granular/geometry/detail/cut_polygon.h"
 
 namespace granular {
@@ -311,13 +314,55 @@ const aiScene& import(Assimp::Importer& importer, const std::filesystem::path& p
   return *scene;
 }
 
+template <class Item>
+void appendBytes(const std::vector<Item>& items, std::string& bytes) {
+  const std::uint64_t count = items.size();
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(Item));
+}
+
+template <class Item>
+std::vector<Item> takeBytes(std::string_view& bytes) {
+  std::uint64_t count = 0;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  std::vector<Item> items(count);
+  std::memcpy(static_cast<void*>(items.data()), bytes.data() + sizeof count, count * sizeof(Item));
+  bytes.remove_prefix(sizeof count + count * sizeof(Item));
+  return items;
+}
+
+/// Reads the file in a child process, which hands the mesh back as plain bytes.
+TriangleMesh importApart(const std::filesystem::path& path, const MeshFileLimits& limits) {
+  const std::string bytes = detail::runInChild({limits.maxSeconds, limits.maxMemoryBytes}, [&] {
+    Assimp::Importer importer;
+    const TriangleMesh mesh = Assembler(path, import(importer, path), limits).run();
+    std::string plain;
+    appendBytes(mesh.vertices, plain);
+    appendBytes(mesh.triangles, plain);
+    return plain;
+  });
+  std::string_view left = bytes;
+  TriangleMesh mesh;
+  mesh.vertices = takeBytes<Vector3>(left);
+  mesh.triangles = takeBytes<std::array<std::int32_t, 3>>(left);
+  return mesh;
+}
+
 }  // namespace
 
 TriangleMesh readMeshFile(const std::filesystem::path& path, const MeshFileLimits& limits) {
+  requirePositive(limits.maxSeconds, "MeshFileLimits.maxSeconds", "s");
+  require(limits.maxMemoryBytes > 0, "MeshFileLimits.maxMemoryBytes", limits.maxMemoryBytes, "bytes", "> 0");
   const std::int64_t size = checkFile(path, limits);
   checkAnnouncedCounts(path, size);
-  Assimp::Importer importer;
-  TriangleMesh mesh = Assembler(path, import(importer, path), limits).run();
+  TriangleMesh mesh;
+  try {
+    mesh = importApart(path, limits);
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    if (what.starts_with("mesh file ")) throw;
+    refuse(path, "cannot be read: " + oneLine(what) + " (MeshFileLimits)");
+  }
   weldVertices(mesh);
   if (mesh.triangles.empty()) refuse(path, "there are no triangles");
   return mesh;

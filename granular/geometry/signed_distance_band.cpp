@@ -2,6 +2,7 @@
 #include "granular/geometry/signed_distance_band.h"
 
 #include <cmath>
+#include <limits>
 
 #include "granular/base/require.h"
 
@@ -12,6 +13,10 @@ constexpr std::int64_t kBlocksAPiece = 16;  // of parallel work
 
 constexpr double kHalfDiagonal = 0.8660254037844387;  // of a unit cube: sqrt(3) / 2
 
+// A node farther than this many spacings beyond the band serves no voxel that the band passes through: a
+// voxel's diagonal, and a little for rounding.
+constexpr double kNodeReach = 2.0 * kHalfDiagonal + 1e-6;
+
 int blockOf(int node) {
   return node >> 2;
 }
@@ -19,10 +24,21 @@ int insideBlock(int node) {
   return node & 3;
 }
 
+/// None of the eight is the mark of a node left out.
+bool areKept(const std::array<double, 8>& values) {
+  double sum = 0.0;
+  for (double v : values) sum += v;
+  return !std::isnan(sum);
+}
+
 }  // namespace
 
 SignedDistanceBand::SignedDistanceBand(const MeshDistance& mesh, const BandDef& def) : def_(def) {
-  const DistanceFunction distance = [&](const Vector3& p) { return mesh.nearest(p).signedDistance; };
+  const DistanceFunction distance = [&mesh, hint = std::int32_t{-1}](const Vector3& p) mutable {
+    const NearestPoint nearest = mesh.nearest(p, hint);
+    hint = nearest.triangle;
+    return nearest.signedDistance;
+  };
   chooseBlocks(distance, mesh.bounds());
   sampleBlocks([&] {
     // Neighbouring nodes are mostly nearest to the same triangle.
@@ -46,7 +62,8 @@ void SignedDistanceBand::chooseBlocks(const DistanceFunction& distance, const Bo
   require(std::isfinite(def_.lower), "BandDef.lower", def_.lower, "m", "finite");
   require(std::isfinite(def_.upper) && def_.upper >= def_.lower, "BandDef.upper", def_.upper, "m",
           "finite and >= lower");
-  const double margin = std::max(def_.upper, 0.0) + 2.0 * def_.spacing;
+  // Half a voxel over, so that faces of boxes at whole spacings do not fall on nodes.
+  const double margin = std::max(def_.upper, 0.0) + 2.5 * def_.spacing;
   origin_ = bounds.lower - Vector3::Constant(margin);
   const double blockEdge = kBlockEdge * def_.spacing;
   const double blocks = std::ceil((bounds.size().maxCoeff() + 2.0 * margin) / blockEdge);
@@ -78,16 +95,28 @@ void SignedDistanceBand::findBlocks(const DistanceFunction& distance, int i, int
   }
 }
 
+/// Nodes out of reach of the band are left out; that a node is, the last one that was sampled may tell, since
+/// a distance changes no faster than one metre a metre.
 template <class MakeSampler>
 void SignedDistanceBand::sampleBlocks(MakeSampler makeSampler) {
   const auto count = static_cast<std::int64_t>(blocks_.size());
+  const double lowest = def_.lower - kNodeReach * def_.spacing,
+               highest = def_.upper + kNodeReach * def_.spacing;
   Executor(def_.threads).forRanges(count, kBlocksAPiece, [&](std::int64_t begin, std::int64_t end) {
     auto distanceAt = makeSampler();
     for (std::int64_t b = begin; b < end; ++b) {
       Block& block = blocks_[b];
+      Vector3 sampledAt = Vector3::Zero();
+      double excess = -1.0;  // by how much the sampled node is out of reach, m
       for (int n = 0; n < kBlockNodes; ++n) {
-        block.values[n] = distanceAt(nodePosition(
-            block.i * kBlockEdge + n % 4, block.j * kBlockEdge + n / 4 % 4, block.k * kBlockEdge + n / 16));
+        const Vector3 p = nodePosition(block.i * kBlockEdge + n % 4, block.j * kBlockEdge + n / 4 % 4,
+                                       block.k * kBlockEdge + n / 16);
+        block.values[n] = std::numeric_limits<double>::quiet_NaN();
+        if (excess > 0.0 && (p - sampledAt).squaredNorm() < excess * excess) continue;
+        const double d = distanceAt(p);
+        sampledAt = p;
+        excess = std::max(lowest - d, d - highest);
+        if (excess <= 0.0) block.values[n] = d;
       }
     }
   });
@@ -100,7 +129,7 @@ const double* SignedDistanceBand::node(int i, int j, int k) const {
 
 std::optional<double> SignedDistanceBand::nodeValue(int i, int j, int k) const {
   const double* value = node(i, j, k);
-  return value ? std::optional(*value) : std::nullopt;
+  return value && !std::isnan(*value) ? std::optional(*value) : std::nullopt;
 }
 
 bool SignedDistanceBand::voxelValues(int i, int j, int k, std::array<double, 8>& values) const {
@@ -108,23 +137,32 @@ bool SignedDistanceBand::voxelValues(int i, int j, int k, std::array<double, 8>&
   if (!first) return false;
   if (insideBlock(i) < 3 && insideBlock(j) < 3 && insideBlock(k) < 3) {
     for (int c = 0; c < 8; ++c) values[c] = first[(c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2 & 1)];
-    return true;
+    return areKept(values);
   }
   for (int c = 0; c < 8; ++c) {
     const double* value = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1));
     if (!value) return false;
     values[c] = *value;
   }
-  return true;
+  return areKept(values);
 }
 
 std::optional<DistanceSample> SignedDistanceBand::sample(const Vector3& p) const {
+  Cursor cursor;
+  return sample(p, cursor);
+}
+
+std::optional<DistanceSample> SignedDistanceBand::sample(const Vector3& p, Cursor& cursor) const {
   const Vector3 x = (p - origin_) / def_.spacing;
   const Eigen::Array3d base = x.array().floor();
   if (!(base.abs() < detail::kLatticeReach / 2).all()) return std::nullopt;
-  std::array<double, 8> v;
-  if (!voxelValues(static_cast<int>(base[0]), static_cast<int>(base[1]), static_cast<int>(base[2]), v))
-    return std::nullopt;
+  const int i = static_cast<int>(base[0]), j = static_cast<int>(base[1]), k = static_cast<int>(base[2]);
+  if (!cursor.isSet || cursor.i != i || cursor.j != j || cursor.k != k) {
+    cursor.i = i, cursor.j = j, cursor.k = k;
+    cursor.isSet = voxelValues(i, j, k, cursor.values);
+    if (!cursor.isSet) return std::nullopt;
+  }
+  const std::array<double, 8>& v = cursor.values;
   const Vector3 f = x - base.matrix();
   // Along x on the four edges, then along y on two, then along z; each with its slope.
   std::array<double, 4> onX, slopeX;
@@ -148,14 +186,34 @@ std::size_t SignedDistanceBand::bytes() const {
   return blocks_.size() * sizeof(Block) + index_.bytes();
 }
 
+/// The blocks at (0 or 1, 0 or 1, 0 or 1) from this one, x fastest; none where none is kept.
+std::array<const SignedDistanceBand::Block*, 8> SignedDistanceBand::blocksFrom(const Block& block) const {
+  std::array<const Block*, 8> found;
+  for (int c = 0; c < 8; ++c) {
+    const std::int32_t b =
+        index_.find(detail::latticeKey(block.i + (c & 1), block.j + (c >> 1 & 1), block.k + (c >> 2 & 1)));
+    found[c] = b < 0 ? nullptr : &blocks_[b];
+  }
+  return found;
+}
+
 void SignedDistanceBand::forEachVoxel(
     const std::function<void(int, int, int, const std::array<double, 8>&)>& visit) const {
   std::array<double, 8> values;
   for (const Block& block : blocks_) {
+    const std::array<const Block*, 8> around = blocksFrom(block);
     for (int n = 0; n < kBlockNodes; ++n) {
-      const int i = block.i * kBlockEdge + n % 4, j = block.j * kBlockEdge + n / 4 % 4,
-                k = block.k * kBlockEdge + n / 16;
-      if (voxelValues(i, j, k, values)) visit(i, j, k, values);
+      const int i = n % 4, j = n / 4 % 4, k = n / 16;
+      bool isKept = true;
+      for (int c = 0; c < 8 && isKept; ++c) {
+        const int x = i + (c & 1), y = j + (c >> 1 & 1), z = k + (c >> 2 & 1);
+        const Block* of = around[x / 4 + 2 * (y / 4) + 4 * (z / 4)];
+        isKept = of != nullptr;
+        if (isKept) values[c] = of->values[x % 4 + 4 * (y % 4) + 16 * (z % 4)];
+      }
+      if (isKept && areKept(values)) {
+        visit(block.i * kBlockEdge + i, block.j * kBlockEdge + j, block.k * kBlockEdge + k, values);
+      }
     }
   }
 }

@@ -43,8 +43,17 @@ class SignedDistanceBand {
   /// `bounds` holds the part of the band that is wanted.
   SignedDistanceBand(const DistanceFunction& distance, const Box& bounds, const BandDef& def);
 
+  /// What the last sample needed, so that the next one in the same voxel looks nothing up. One a thread, or
+  /// one a point that is asked for again and again.
+  struct Cursor {
+    int i = 0, j = 0, k = 0;  // voxel
+    bool isSet = false;
+    std::array<double, 8> values = {};
+  };
+
   /// Trilinear value and gradient, or nothing outside the band.
   std::optional<DistanceSample> sample(const Vector3& p) const;
+  std::optional<DistanceSample> sample(const Vector3& p, Cursor& cursor) const;
 
   double spacing() const { return def_.spacing; }
   double lower() const { return def_.lower; }
@@ -54,7 +63,7 @@ class SignedDistanceBand {
 
   /// Node (i, j, k) of the whole grid, m.
   Vector3 nodePosition(int i, int j, int k) const { return origin_ + def_.spacing * Vector3(i, j, k); }
-  /// Distance at a node, or nothing where no block is kept.
+  /// Distance at a node, or nothing where it is not kept: out of reach of the band.
   std::optional<double> nodeValue(int i, int j, int k) const;
 
   /// visit(i, j, k, values) for every voxel all of whose nodes are kept, in an order that depends on the band
@@ -67,7 +76,7 @@ class SignedDistanceBand {
   static constexpr int kBlockNodes = kBlockEdge * kBlockEdge * kBlockEdge;
   struct Block {
     int i, j, k;                             // of its first node, in blocks
-    std::array<double, kBlockNodes> values;  // x fastest, m
+    std::array<double, kBlockNodes> values;  // x fastest, m; not a number out of reach of the band
   };
 
   void findBlocks(const DistanceFunction& distance, int i, int j, int k, int edge);
@@ -76,6 +85,7 @@ class SignedDistanceBand {
   void sampleBlocks(MakeSampler makeSampler);
   const double* node(int i, int j, int k) const;
   bool voxelValues(int i, int j, int k, std::array<double, 8>& values) const;
+  std::array<const Block*, 8> blocksFrom(const Block& block) const;
 
   BandDef def_;
   Vector3 origin_ = Vector3::Zero();

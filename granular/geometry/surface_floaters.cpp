@@ -26,9 +26,13 @@ constexpr double kGainLoss = 0.5;
 constexpr double kGainGrowth = 1.2;
 constexpr double kLeastGain = 1.0 / 256.0;
 
-constexpr double kListSkin =
-    0.3;  // spacings beyond the reach that neighbour lists hold; they last until half is used
+// Spacings beyond the reach that neighbour lists hold; they last until a floater has moved as far. Two that
+// came nearer to each other by twice as much are seen late: then K is 0.04, a third of that between
+// neighbours.
+constexpr double kListSkin = 0.3;
+
 constexpr std::int64_t kFloatersAPiece = 256;  // of parallel work
+constexpr std::int64_t kCellsAPiece = 64;
 
 /// Neighbours of each floater, kept while nobody has moved far.
 class NeighbourLists {
@@ -37,21 +41,7 @@ class NeighbourLists {
       : reach_(reach), skin_(skin), executor_(executor) {}
 
   void update(std::span<const Vector3> positions) {
-    if (!isStale(positions)) return;
-    builtAt_.assign(positions.begin(), positions.end());
-    lists_.resize(positions.size());
-    const double radius = reach_ + skin_;
-    const detail::PointGrid grid(positions, radius);
-    executor_.forRanges(static_cast<std::int64_t>(positions.size()), kFloatersAPiece,
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (std::int64_t i = begin; i < end; ++i) {
-                            lists_[i].clear();
-                            grid.forEachNear(positions[i], radius, [&](std::int32_t j, const Vector3& q) {
-                              if (j != i && (q - positions[i]).squaredNorm() < radius * radius)
-                                lists_[i].push_back(j);
-                            });
-                          }
-                        });
+    if (isStale(positions)) build(positions);
   }
 
   std::span<const std::int32_t> of(std::int64_t i) const { return lists_[i]; }
@@ -59,17 +49,48 @@ class NeighbourLists {
  private:
   bool isStale(std::span<const Vector3> positions) const {
     if (builtAt_.size() != positions.size()) return true;
-    const double limit = 0.25 * skin_ * skin_;
+    const double limit = skin_ * skin_;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if ((positions[i] - builtAt_[i]).squaredNorm() > limit) return true;
     }
     return false;
   }
 
+  /// Cell by cell: what may be near is gathered once for all floaters of a cell.
+  void build(std::span<const Vector3> positions) {
+    builtAt_.assign(positions.begin(), positions.end());
+    const double radius = reach_ + skin_;
+    const detail::PointGrid grid(positions, radius);
+    lists_.resize(positions.size());
+    entries_.resize(Executor::pieceCount(grid.cellCount(), kCellsAPiece));
+    executor_.forRanges(grid.cellCount(), kCellsAPiece, [&](std::int64_t begin, std::int64_t end) {
+      std::vector<std::int32_t>& entries = entries_[begin / kCellsAPiece];
+      std::vector<std::pair<std::int32_t, std::size_t>> starts;  // floater, its first entry
+      std::vector<detail::PointGrid::Entry> near;
+      entries.clear();
+      for (auto c = static_cast<std::int32_t>(begin); c < end; ++c) {
+        const std::span<const detail::PointGrid::Entry> floaters = grid.cell(c);
+        grid.gatherNear(detail::boxAround(floaters), radius, near);
+        for (const auto& own : floaters) {
+          starts.emplace_back(own.index, entries.size());
+          for (const auto& other : near) {
+            if ((other.point - own.point).squaredNorm() < radius * radius && other.index != own.index)
+              entries.push_back(other.index);
+          }
+        }
+      }
+      for (std::size_t s = 0; s < starts.size(); ++s) {
+        const std::size_t last = s + 1 < starts.size() ? starts[s + 1].second : entries.size();
+        lists_[starts[s].first] = {entries.data() + starts[s].second, entries.data() + last};
+      }
+    });
+  }
+
   double reach_, skin_;
   const Executor& executor_;
   std::vector<Vector3> builtAt_;
-  std::vector<std::vector<std::int32_t>> lists_;
+  std::vector<std::vector<std::int32_t>> entries_;    // of each piece of cells
+  std::vector<std::span<const std::int32_t>> lists_;  // of floater i, within entries_
 };
 
 /// Sum of K(d) (P - Pi) / d over the neighbours (Bell 2005, eq. 20); no unit.
@@ -130,10 +151,10 @@ class Relaxation {
   double iterate() {
     neighbours_.update(positions_);
     executor_.forRanges(std::ssize(positions_), kFloatersAPiece, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) chooseMove(i);
+      for (std::int64_t i = std::max(begin, def_.fixed); i < end; ++i) chooseMove(i);
     });
     for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] += moves_[i];
-    return rootMeanSquare(moves_);
+    return rootMeanSquare(std::span(moves_).subspan(std::min<std::size_t>(def_.fixed, moves_.size())));
   }
 
  private:
@@ -184,6 +205,7 @@ FloaterReport relaxFloaters(std::span<Vector3> positions, const FloaterSurface& 
                             const FloaterDef& def) {
   requirePositive(def.spacing, "FloaterDef.spacing", "m");
   requirePositive(def.convergence, "FloaterDef.convergence", "m");
+  require(def.fixed >= 0, "FloaterDef.fixed", def.fixed, "", ">= 0");
   require(def.threads > 0, "FloaterDef.threads", def.threads, "", "> 0");
   Relaxation relaxation(positions, surface, def);
   FloaterReport report;

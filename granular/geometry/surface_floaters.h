@@ -33,6 +33,7 @@ struct FloaterDef {
   double spacing = 0.0;      ///< wanted distance between neighbours, m, > 0; sets the reach of the repulsion
   double convergence = 0.0;  ///< m, > 0: done when the root mean square move of an iteration is below this
   int maxIterations = 500;   ///< stop here in any case
+  std::int64_t fixed = 0;    ///< the first so many stay where they are, and push the others
   int threads = 1;           ///< any number gives the same bits
 };
 

@@ -6,9 +6,12 @@
 #include <numeric>
 #include <sstream>
 
+#include "granular/geometry/detail/mesh_sides.h"
+
 namespace granular {
 namespace {
 
+constexpr double kSliver = 1e-3;  // height over longest edge
 constexpr double kDegenerateArea =
     1e-14;  // of the longest edge squared: an angle below 1e-14 rad has no normal in doubles
 
@@ -20,49 +23,23 @@ std::string triangleName(std::size_t t) {
   return "triangle " + std::to_string(t);
 }
 
-/// A triangle's side, with its corners in rising order.
-struct Side {
-  std::int32_t low, high;
-  std::int32_t triangle;
-  bool forward;  // the triangle walks from low to high
-};
-
-std::vector<Side> sortedSides(const TriangleMesh& mesh) {
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& corner = mesh.triangles[t];
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t a = corner[k], b = corner[(k + 1) % 3];
-      if (a != b) sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a < b});
-    }
-  }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return x.low != y.low ? x.low < y.low : x.high < y.high;
-  });
-  return sides;
-}
-
 void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
-  const std::vector<Side> sides = sortedSides(mesh);
-  for (std::size_t first = 0, last; first < sides.size(); first = last) {
-    std::int64_t forward = 0, backward = 0;
-    for (last = first;
-         last < sides.size() && sides[last].low == sides[first].low && sides[last].high == sides[first].high;
-         ++last) {
-      ++(sides[last].forward ? forward : backward);
+  const std::vector<detail::MeshSide> sides = detail::sortedSides(mesh.triangles);
+  detail::forEachEdge(sides, [&](std::size_t first, std::size_t last) {
+    const auto count = static_cast<std::int64_t>(last - first);
+    const auto forward = std::count_if(sides.begin() + first, sides.begin() + last,
+                                       [](const detail::MeshSide& s) { return s.isForward; });
+    if (count == 2 && forward == 1) return;
+    std::string name = "edge " + std::to_string(sides[first].low) + '-' + std::to_string(sides[first].high) +
+                       " of triangle " + std::to_string(sides[first].triangle);
+    if (count == 1) {
+      note(report.openEdges, name);
+    } else if (2 * forward != count) {
+      name += " and " + std::to_string(sides[first + 1].triangle);
+      note(report.flippedEdges, name);
     }
-    std::ostringstream name;
-    name << "edge " << sides[first].low << '-' << sides[first].high << " of triangle "
-         << sides[first].triangle;
-    if (forward + backward == 1) {
-      note(report.openEdges, name.str());
-    } else if (forward != backward) {
-      name << " and " << sides[first + 1].triangle;
-      note(report.flippedEdges, name.str());
-    }
-    if (forward + backward > 2) note(report.crowdedEdges, name.str());
-  }
+    if (count > 2) note(report.crowdedEdges, name);
+  });
 }
 
 void checkDuplicates(const TriangleMesh& mesh, MeshReport& report) {
@@ -89,8 +66,12 @@ void checkAreas(const TriangleMesh& mesh, MeshReport& report) {
     for (int k = 0; k < 3; ++k) {
       longest = std::max(longest, (mesh.vertices[c[k]] - mesh.vertices[c[(k + 1) % 3]]).squaredNorm());
     }
-    if (!(doubleAreaVector(mesh, c).norm() > kDegenerateArea * longest))
+    const double doubleArea = doubleAreaVector(mesh, c).norm();
+    if (!(doubleArea > kDegenerateArea * longest)) {
       note(report.degenerateTriangles, triangleName(t));
+    } else if (doubleArea < kSliver * longest) {
+      note(report.slivers, triangleName(t));
+    }
   }
 }
 
@@ -166,6 +147,7 @@ std::string MeshReport::text() const {
   line(nonFiniteVertices, "vertices not finite");
   line(indicesOutOfRange, "triangles with an index out of range");
   line(degenerateTriangles, "triangles of zero area");
+  line(slivers, "slivers (height below 1/1000 of the longest edge)");
   line(duplicateTriangles, "duplicate triangles");
   line(openEdges, "open edges");
   line(flippedEdges, "edges between inconsistently oriented triangles");

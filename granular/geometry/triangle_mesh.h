@@ -32,6 +32,7 @@ struct MeshReport {
   MeshFault nonFiniteVertices;    ///< a coordinate is infinite or not a number
   MeshFault indicesOutOfRange;    ///< triangles that name a vertex which does not exist
   MeshFault degenerateTriangles;  ///< area below 1e-14 of the longest edge squared, or a repeated corner
+  MeshFault slivers;              ///< other triangles whose height is below 1/1000 of their longest edge
   MeshFault duplicateTriangles;   ///< same three corners as an earlier triangle, in any order
   MeshFault openEdges;            ///< edges with one triangle
   MeshFault flippedEdges;         ///< edges whose triangles disagree about which side is outside

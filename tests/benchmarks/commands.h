@@ -9,6 +9,9 @@ class App;
 
 namespace granular_bench {
 
+/// `cover [--only TEXT] [--long] [--threads N]`: time and quality of coverings; status 1 if one is wrong.
+void addCoverCommand(CLI::App& app, int& status);
+
 /// `peers [--lammps FILE] [--particles N] [--steps N] [--repeats N] [--only TEXT]`: ours against LAMMPS,
 /// answers first; throws std::runtime_error if they differ.
 void addPeersCommand(CLI::App& app, int& status);

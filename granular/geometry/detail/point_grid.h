@@ -94,12 +94,39 @@ class PointGrid {
     return index;
   }
 
- private:
   struct Entry {
     Vector3 point;
     std::int32_t index;
   };
 
+  std::int32_t cellCount() const { return static_cast<std::int32_t>(cells_.size()); }
+
+  /// The points of a cell, by index.
+  std::span<const Entry> cell(std::int32_t c) const {
+    return {entries_.data() + first_[c], entries_.data() + first_[c + 1]};
+  }
+
+  /// Lists every point nearer than `reach` to a point of the box, and some beyond, in an order that depends
+  /// on the points alone.
+  void gatherNear(const Box& box, double reach, std::vector<Entry>& found) const {
+    const Vector3 lower = box.lower - Vector3::Constant(reach), upper = box.upper + Vector3::Constant(reach);
+    const Eigen::Vector3i low = cellAt(lower), high = cellAt(upper);
+    found.clear();
+    for (int i = low[0]; i <= high[0]; ++i) {
+      for (int j = low[1]; j <= high[1]; ++j) {
+        for (int k = low[2]; k <= high[2]; ++k) {
+          const std::int32_t c = cells_.find(latticeKey(i, j, k));
+          if (c < 0) continue;
+          for (const Entry& e : cell(c)) {
+            if ((e.point.array() >= lower.array()).all() && (e.point.array() <= upper.array()).all())
+              found.push_back(e);
+          }
+        }
+      }
+    }
+  }
+
+ private:
   Eigen::Vector3i cellAt(const Vector3& p) const {
     return ((p - origin_) / cell_).array().floor().cast<int>();
   }
@@ -125,5 +152,15 @@ class PointGrid {
   std::vector<std::int32_t> first_;  // cell c holds entries first_[c] .. first_[c + 1]
   std::vector<Entry> entries_;
 };
+
+/// Smallest box round the points, at least one.
+inline Box boxAround(std::span<const PointGrid::Entry> entries) {
+  Box box{entries.front().point, entries.front().point};
+  for (const PointGrid::Entry& e : entries) {
+    box.lower = box.lower.cwiseMin(e.point);
+    box.upper = box.upper.cwiseMax(e.point);
+  }
+  return box;
+}
 
 }  // namespace granular::detail
