@@ -10,14 +10,14 @@
 #include <limits>
 #include <thread>
 
-#include "demos/export_command.h"
-#include "demos/json_object.h"
-#include "demos/progress_line.h"
-#include "demos/run_report.h"
-#include "demos/run_scene.h"
-#include "demos/scene_catalog.h"
-#include "demos/scene_file.h"
-#include "demos/stop_signal.h"
+#include "demos/runner/export_command.h"
+#include "demos/runner/progress_line.h"
+#include "demos/runner/run_report.h"
+#include "demos/runner/run_scene.h"
+#include "demos/runner/stop_signal.h"
+#include "demos/scene/json_object.h"
+#include "demos/scene/scene_catalog.h"
+#include "demos/scene/scene_file.h"
 
 namespace {
 

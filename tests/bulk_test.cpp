@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "demos/run_scene.h"
-#include "demos/scene_catalog.h"
-#include "demos/scene_file.h"
+#include "demos/runner/run_scene.h"
+#include "demos/scene/scene_catalog.h"
+#include "demos/scene/scene_file.h"
 #include "tests/verification/verification_case.h"
 
 namespace granular_demo {

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "bullet_bridge/convert.h"
-#include "demos/built_scene.h"
-#include "demos/motion_script.h"
-#include "demos/place_checks.h"
-#include "demos/scene_catalog.h"
+#include "demos/world/built_scene.h"
+#include "demos/world/motion_script.h"
+#include "demos/runner/place_checks.h"
+#include "demos/scene/scene_catalog.h"
 #include "scene_fixture.h"
 
 namespace granular_demo {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The scene loader: what it reads, and that every mistake is told in one line with file and key path.
-#include "demos/scene_file.h"
+#include "demos/scene/scene_file.h"
 
 #include <gtest/gtest.h>
 

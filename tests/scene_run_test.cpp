@@ -8,13 +8,13 @@
 #include <numbers>
 #include <sstream>
 
-#include "demos/csv_file.h"
-#include "demos/frame_table.h"
-#include "demos/progress_line.h"
-#include "demos/run_report.h"
-#include "demos/run_scene.h"
-#include "demos/scene_catalog.h"
-#include "demos/scene_file.h"
+#include "demos/runner/csv_file.h"
+#include "demos/runner/frame_table.h"
+#include "demos/runner/progress_line.h"
+#include "demos/runner/run_report.h"
+#include "demos/runner/run_scene.h"
+#include "demos/scene/scene_catalog.h"
+#include "demos/scene/scene_file.h"
 
 namespace granular_demo {
 namespace {
