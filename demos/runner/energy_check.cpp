@@ -5,8 +5,8 @@
 
 namespace granular_demo {
 
-void EnergyCheck::add(const granular::StepReport& report) {
-  last_ = report.energy.total() - report.workByMovedBodies - report.workByLoads;
+void EnergyCheck::add(const granular::StepReport& report, double cameIn) {
+  last_ = report.energy.total() - report.workByMovedBodies - report.workByLoads - cameIn;
   largestKinetic_ = std::max(largestKinetic_, report.energy.kinetic);
   if (!started_) {
     started_ = true;

@@ -8,14 +8,15 @@
 namespace granular_demo {
 
 /// E = kinetic + gravitational + elastic energy of grains and dynamic bodies, less the work of moved bodies
-/// and of the host's loads. Its rise above its running minimum is told as a fraction of the energy fallen so
-/// far: energy at the start less running minimum. Until something has fallen, a thousandth of the largest
-/// kinetic energy seen takes the place of the fall, so that rounding in free flight is not divided by
-/// nothing.
+/// and of the host's loads and what came in otherwise (emitters, joints). Its rise above its running minimum
+/// is told as a fraction of the energy fallen so far: energy at the start less running minimum. Until
+/// something has fallen, a thousandth of the largest kinetic energy seen takes the place of the fall, so that
+/// rounding in free flight is not divided by nothing.
 class EnergyCheck {
  public:
   /// Call once with the state at the start and then after every tick.
-  void add(const granular::StepReport& report);
+  /// `cameIn`: energy that came in by ways the core does not count, J, since the start.
+  void add(const granular::StepReport& report, double cameIn = 0.0);
 
   double first() const { return first_; }             ///< E at the start, J
   double last() const { return last_; }               ///< E now, J

@@ -52,9 +52,10 @@ void addBody(const BuiltBody& body, const std::shared_ptr<const granular::Triang
   picture.sphereSurfaces.push_back(surface);
 }
 
-/// Frames of an earlier run would come into the film of a shorter one.
-void removeFrames(const std::filesystem::path& folder) {
-  for (int i = 0; std::filesystem::remove(framePath(folder, i)); ++i) {
+/// Frames of an earlier run would come into the film of a shorter one; those before the first one stay, for a
+/// run that goes on.
+void removeFrames(const std::filesystem::path& folder, int first) {
+  for (int i = first; std::filesystem::remove(framePath(folder, i)); ++i) {
   }
 }
 
@@ -62,7 +63,9 @@ void removeFrames(const std::filesystem::path& folder) {
 
 PictureSource::PictureSource(const BuiltScene& scene) : scene_(scene) {
   for (const BuiltBody& body : scene.bodies()) {
-    meshes_.push_back(std::make_shared<granular::TriangleMesh>(joinedMesh(body.solid)));
+    const bool isTwin = !meshes_.empty() && scene.bodies()[meshes_.size() - 1].solid == body.solid;
+    meshes_.push_back(isTwin ? meshes_.back()
+                             : std::make_shared<const granular::TriangleMesh>(joinedMesh(*body.solid)));
   }
 }
 
@@ -90,7 +93,7 @@ RenderScene PictureSource::current() const {
     const Pose pose = body.pose();
     if (look.visible) addBody(body, meshes_[i], picture);
     if (!look.showParticles) continue;
-    const granular::Covering& covering = body.covering.covering;
+    const granular::Covering& covering = body.covering->covering;
     for (std::size_t k = 0; k < covering.positions.size(); ++k) {
       picture.spheres.push_back(
           {pose.toWorld(covering.positions[k]), covering.radii[k], look.particleColor, kCoveringSurface});
@@ -99,7 +102,8 @@ RenderScene PictureSource::current() const {
   return picture;
 }
 
-PictureWriter::PictureWriter(const BuiltScene& scene, const std::filesystem::path& folder, int threads)
+PictureWriter::PictureWriter(const BuiltScene& scene, const std::filesystem::path& folder, int threads,
+                             int firstFrame)
     : scene_(scene),
       source_(scene),
       folder_(folder),
@@ -113,7 +117,7 @@ PictureWriter::PictureWriter(const BuiltScene& scene, const std::filesystem::pat
   for (const CameraPart& camera : cameras_) {
     folders_.push_back(folder / (cameras_.size() == 1 ? "frames" : "frames_" + camera.name));
     std::filesystem::create_directories(folders_.back());
-    removeFrames(folders_.back());
+    removeFrames(folders_.back(), firstFrame);
   }
 }
 

@@ -26,7 +26,9 @@ class PictureWriter {
  public:
   /// Makes the folders: frames/ for one camera, frames_<camera>/ for several. Without a camera in the scene,
   /// one that sees everything as it stands now. `scene` must outlive this.
-  PictureWriter(const BuiltScene& scene, const std::filesystem::path& folder, int threads);
+  /// Frames from `firstFrame` on that an earlier run left there are removed.
+  PictureWriter(const BuiltScene& scene, const std::filesystem::path& folder, int threads,
+                int firstFrame = 0);
 
   void write(int frame);
   /// Films of the frames written so far: film.mp4 or film_<camera>.mp4. Returns their paths.

@@ -15,10 +15,17 @@ PlaceChecks::PlaceChecks(const BuiltScene& scene) : scene_(scene) {
       solid.boundingRadius = std::numeric_limits<double>::infinity();
       continue;
     }
-    for (const granular::TriangleMesh& part : body.solid.parts) {
-      for (const Vector3& v : part.vertices) solid.boundingRadius = std::max(solid.boundingRadius, v.norm());
-      solid.parts.push_back(std::make_unique<granular::MeshDistance>(part));
+    if (solids_.size() > 1 && solids_[solids_.size() - 2].body->solid == body.solid) {
+      solid.parts = solids_[solids_.size() - 2].parts;
+      solid.boundingRadius = solids_[solids_.size() - 2].boundingRadius;
+      continue;
     }
+    auto parts = std::make_shared<Parts>();
+    for (const granular::TriangleMesh& part : body.solid->parts) {
+      for (const Vector3& v : part.vertices) solid.boundingRadius = std::max(solid.boundingRadius, v.norm());
+      parts->emplace_back(part);
+    }
+    solid.parts = std::move(parts);
   }
 }
 
@@ -29,14 +36,14 @@ bool PlaceChecks::isInside(const Solid& solid, const Vector3& own, double depth)
   if (const auto* space = std::get_if<HalfSpaceShape>(&shape))
     return space->normal.dot(own) < space->height - depth;
   if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    const Vector3 drawn = solid.body->solid.frame.toWorld(own);
+    const Vector3 drawn = solid.body->solid->frame.toWorld(own);
     return (0.5 * box->size - drawn.cwiseAbs()).minCoeff() > depth;
   }
-  return std::any_of(solid.parts.begin(), solid.parts.end(), [&](const auto& part) {
-    const Vector3 lower = own - part->bounds().lower;
-    const Vector3 upper = part->bounds().upper - own;
+  return std::any_of(solid.parts->begin(), solid.parts->end(), [&](const granular::MeshDistance& part) {
+    const Vector3 lower = own - part.bounds().lower;
+    const Vector3 upper = part.bounds().upper - own;
     if (std::min(lower.minCoeff(), upper.minCoeff()) <= depth) return false;
-    return part->nearest(own).signedDistance < -depth;
+    return part.nearest(own).signedDistance < -depth;
   });
 }
 
@@ -56,8 +63,22 @@ bool PlaceChecks::isBelowGround(const Vector3& p) const {
          (def.container->box.upper - onFloor).minCoeff() >= 0.0;
 }
 
-PlaceCounts PlaceChecks::count() const {
-  PlaceCounts counts;
+void PlaceChecks::countInside(const Vector3& p, double radius, const Solid& solid, const Pose& pose,
+                              PlaceCounts& counts) const {
+  if ((p - pose.position).squaredNorm() > solid.boundingRadius * solid.boundingRadius) return;
+  if (!isInside(solid, pose.toOwn(p), radius)) return;
+  ++counts.insideBodies;
+  if (counts.inside.empty()) counts.inside = solid.body->part->name;
+}
+
+void PlaceChecks::countPlace(const Vector3& p, bool isFinite, PlaceCounts& counts) const {
+  if (!isFinite) ++counts.notFinite;
+  if (!scene_.def().container) return;
+  const Box& box = scene_.def().container->box;
+  if ((p - box.lower).minCoeff() < 0.0 || (box.upper - p).minCoeff() < 0.0) ++counts.outside;
+}
+
+void PlaceChecks::countGrains(PlaceCounts& counts) const {
   std::vector<granular::ParticleView> particles;
   scene_.grains().readParticles(particles);
   std::vector<Pose> poses;
@@ -65,22 +86,40 @@ PlaceCounts PlaceChecks::count() const {
   for (const granular::ParticleView& p : particles) {
     if (p.ownerKind != granular::OwnerKind::Grain) continue;
     if (isBelowGround(p.position)) ++counts.belowGround;
-    for (std::size_t i = 0; i < solids_.size(); ++i) {
-      if ((p.position - poses[i].position).squaredNorm() >
-          solids_[i].boundingRadius * solids_[i].boundingRadius)
-        continue;
-      if (isInside(solids_[i], poses[i].toOwn(p.position), p.radius)) ++counts.insideBodies;
-    }
+    for (std::size_t i = 0; i < solids_.size(); ++i)
+      countInside(p.position, p.radius, solids_[i], poses[i], counts);
   }
   const auto motions = scene_.grains().grainMotions();
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (scene_.grains().grainAt(static_cast<std::int32_t>(i)).index < 0) continue;  // removed
     const Vector3& x = motions[i].pose.position;
-    if (!x.allFinite() || !motions[i].velocity.allFinite()) ++counts.notFinite;
-    if (!scene_.def().container) continue;
-    const Box& box = scene_.def().container->box;
-    if ((x - box.lower).minCoeff() < 0.0 || (box.upper - x).minCoeff() < 0.0) ++counts.outside;
+    countPlace(x, x.allFinite() && motions[i].velocity.allFinite(), counts);
   }
+}
+
+void PlaceChecks::countBodies(PlaceCounts& counts) const {
+  std::vector<Pose> poses;
+  for (const Solid& solid : solids_) poses.push_back(solid.body->pose());
+  for (std::size_t i = 0; i < solids_.size(); ++i) {
+    const BuiltBody& body = *solids_[i].body;
+    if (body.part->motion != BodyKind::dynamic) continue;
+    countPlace(poses[i].position, poses[i].position.allFinite() && poses[i].orientation.coeffs().allFinite(),
+               counts);
+    const granular::Covering& covering = body.covering->covering;
+    for (std::size_t j = 0; j < solids_.size(); ++j) {
+      const double reach = solids_[i].boundingRadius + solids_[j].boundingRadius;
+      if (j == i || (poses[i].position - poses[j].position).squaredNorm() > reach * reach) continue;
+      for (std::size_t k = 0; k < covering.positions.size(); ++k)
+        countInside(poses[i].toWorld(covering.positions[k]), covering.radii[k], solids_[j], poses[j], counts);
+    }
+    for (const Vector3& p : covering.positions) counts.belowGround += isBelowGround(poses[i].toWorld(p));
+  }
+}
+
+PlaceCounts PlaceChecks::count() const {
+  PlaceCounts counts;
+  countGrains(counts);
+  countBodies(counts);
   return counts;
 }
 

@@ -68,7 +68,8 @@ Json sceneInfo(const SceneDef& def) {
 Json coveringInfo(const BuiltScene& scene) {
   Json all = Json::array();
   for (const BuiltBody& body : scene.bodies()) {
-    for (const granular::CoverReport& report : body.covering.reports) {
+    if (body.part->place != std::array<int, 3>{}) continue;  // copies share the covering of the first
+    for (const granular::CoverReport& report : body.covering->reports) {
       all.push_back({{"body", body.part->name},
                      {"particles", report.particleCount},
                      {"particleRadius", report.particleRadius},
@@ -88,12 +89,22 @@ Json coveringInfo(const BuiltScene& scene) {
   return all;
 }
 
+std::int64_t dynamicBodyParticles(const BuiltScene& scene) {
+  std::int64_t count = 0;
+  for (const BuiltBody& body : scene.bodies()) {
+    if (body.part->motion == BodyKind::dynamic)
+      count += static_cast<std::int64_t>(body.covering->covering.positions.size());
+  }
+  return count;
+}
+
 Json countInfo(const BuiltScene& scene, const RunResult& result) {
   return {{"grains", result.grains},
           {"particles", result.grainParticles + scene.coveringParticles()},
           {"grainParticles", result.grainParticles},
           {"coveringParticles", scene.coveringParticles()},
-          {"bodies", scene.bodies().size()}};
+          {"bodies", scene.bodies().size()},
+          {"dynamicBodyParticles", dynamicBodyParticles(scene)}};
 }
 
 Json stepInfo(const RunResult& result) {
@@ -134,16 +145,64 @@ Json checkInfo(const BuiltScene& scene, const RunResult& result) {
   const auto& container = scene.def().container;
   return {{"passed", result.passed(container && container->closed)},
           {"passThrough", result.worst.insideBodies},
+          {"passThroughBody", result.worst.inside},
           {"belowGround", result.worst.belowGround},
           {"escaped", result.worst.outside},
           {"notFinite", result.worst.notFinite},
           {"quarantined", result.totals.quarantined},
           {"worstOverlap", result.totals.largestOverlap},
           {"worstOverlapTime", result.totals.largestOverlapTime},
+          {"energyPutIn", result.balance.putIn()},
+          {"balanceError", result.balance.error()},
+          {"worstBalanceFraction", result.balance.worstFraction()},
+          {"worstBalanceTime", result.balance.worstTime()},
           {"energyFallen", result.energy.fallen()},
           {"worstEnergyRise", result.energy.worstRise()},
           {"worstEnergyRiseFraction", result.energy.worstFraction()},
           {"worstEnergyRiseTime", result.energy.worstTime()}};
+}
+
+Json outcomeInfo(const RunResult& result) {
+  Json all = Json::object();
+  for (const MeterResult& meter : result.meters) {
+    Json& values = all[meter.name] = Json::object();
+    for (const auto& [name, value] : meter.values) values[name] = value;
+  }
+  return all;
+}
+
+Json expectedInfo(const RunResult& result) {
+  Json all = Json::array();
+  for (const ExpectedResult& expected : result.expected) {
+    Json one = {{"meter", expected.part.meter}, {"value", expected.part.value}};
+    if (expected.part.atLeast) one["atLeast"] = *expected.part.atLeast;
+    if (expected.part.atMost) one["atMost"] = *expected.part.atMost;
+    one["measured"] = expected.known ? Json(expected.measured) : Json();
+    one["holds"] = expected.holds();
+    all.push_back(one);
+  }
+  return all;
+}
+
+Json emitterInfo(const BuiltScene& scene) {
+  Json all = Json::array();
+  for (const BuiltEmitter& built : scene.emitters()) {
+    all.push_back({{"name", built.part->name},
+                   {"poured", built.emitter.poured()},
+                   {"mostWaiting", built.mostWaiting},
+                   {"firstWait", built.firstWait < 0.0 ? Json() : Json(built.firstWait)}});
+  }
+  return all;
+}
+
+/// Where a run began if not at the scene's own start.
+Json beginningInfo(const RunOptions& options) {
+  if (!options.state) return {};
+  return {{"scene", options.state->scene},
+          {"scale", options.state->scale},
+          {"time", options.state->time},
+          {"grains", options.state->grains.size()},
+          {"bodies", options.state->bodies.size()}};
 }
 
 /// The heaviest grain of a material, on one contact of its smallest particle: the fastest creep law 18
@@ -212,12 +271,19 @@ Json makeReport(const FinishedRun& run, const RunOptions& options,
           {"threads", options.threads},
           {"counts", countInfo(*run.scene, result)},
           {"coverings", coveringInfo(*run.scene)},
+          {"beganWith", beginningInfo(options)},
+          {"firstFrame", result.firstFrame},
           {"frames", result.frames},
           {"framesWanted", result.framesWanted},
           {"simulatedSeconds", run.scene->time()},
           {"steps", stepInfo(result)},
           {"start", energyInfo(result.state.start)},
           {"end", energyInfo(result.state.end)},
+          {"outcome", outcomeInfo(result)},
+          {"expected", expectedInfo(result)},
+          {"emitters", emitterInfo(*run.scene)},
+          {"joints", run.scene->joints().count()},
+          {"brokenJoints", run.scene->joints().broken()},
           {"checks", checkInfo(*run.scene, result)},
           {"advice", adviceInfo(*run.scene)},
           {"creepSpeeds", creepInfo(*run.scene)},

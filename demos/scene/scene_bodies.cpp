@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <limits>
 
 #include "demos/scene/scene_readers.h"
@@ -7,19 +8,6 @@ namespace granular_demo {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
-
-MeshShape readMeshShape(JsonObject& object, const std::filesystem::path& folder) {
-  MeshShape shape;
-  const JsonPlace file = object.at("file");
-  shape.file = folder / file.string();
-  if (!std::filesystem::is_regular_file(shape.file)) file.fail("a mesh file, relative to the scene file");
-  shape.boundingSize = object.optionalNumber("boundingSize", Range::positive());
-  shape.scale = object.number("scale", Range::positive(), shape.scale);
-  if (object.has("scale") && shape.boundingSize)
-    object.at("scale").fail("none, since \"boundingSize\" is given too");
-  if (object.has("center")) shape.center = object.vector3("center");
-  return shape;
-}
 
 BodyShapeDef readShape(const JsonPlace& place, const std::filesystem::path& folder);
 
@@ -183,6 +171,26 @@ void readContact(JsonObject& object, BodyPart& part) {
   if (part.covering && isEndless) object.at("covering").fail("none for a halfSpace: \"contact\": \"exact\"");
 }
 
+CopiesDef readCopies(JsonObject object) {
+  CopiesDef copies;
+  const JsonPlace counts = object.at("counts");
+  const std::vector<JsonPlace> elements = counts.elements();
+  if (elements.size() != 3) counts.fail("three whole numbers > 0");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double n = elements[i].number({.low = 1.0, .high = 1e5});
+    if (n != std::floor(n)) elements[i].fail("a whole number > 0");
+    copies.counts[i] = static_cast<int>(n);
+  }
+  copies.step = object.vector3("step");
+  copies.stagger = object.vector3("stagger", copies.stagger);
+  copies.jitter = object.number("jitter", Range::notNegative(), copies.jitter);
+  copies.randomOrientations = object.choice("orientations", {"same", "random"}, 0) == 1;
+  copies.seed =
+      static_cast<std::uint64_t>(object.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), 1));
+  object.finish();
+  return copies;
+}
+
 BodyPart readBody(const std::string& name, const JsonPlace& place,
                   const std::vector<std::string>& materialNames, const std::vector<std::string>& scriptNames,
                   const std::filesystem::path& folder) {
@@ -210,12 +218,26 @@ BodyPart readBody(const std::string& name, const JsonPlace& place,
       object.at(key).fail("only for \"motion\": \"dynamic\"");
   }
   part.replaceableByMesh = object.boolean("replaceableByMesh", false);
+  if (object.has("copies")) part.copies = readCopies(object.object("copies"));
   if (object.has("look")) part.look = readBodyLook(object.at("look"));
   object.finish();
   return part;
 }
 
 }  // namespace
+
+MeshShape readMeshShape(JsonObject& object, const std::filesystem::path& folder) {
+  MeshShape shape;
+  const JsonPlace file = object.at("file");
+  shape.file = folder / file.string();
+  if (!std::filesystem::is_regular_file(shape.file)) file.fail("a mesh file, relative to the scene file");
+  shape.boundingSize = object.optionalNumber("boundingSize", Range::positive());
+  shape.scale = object.number("scale", Range::positive(), shape.scale);
+  if (object.has("scale") && shape.boundingSize)
+    object.at("scale").fail("none, since \"boundingSize\" is given too");
+  if (object.has("center")) shape.center = object.vector3("center");
+  return shape;
+}
 
 std::map<std::string, ScriptDef> readScripts(const JsonPlace& place) {
   std::map<std::string, ScriptDef> all;

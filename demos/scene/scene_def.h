@@ -3,8 +3,10 @@
 // demos/scenes/README.md documents the file; members carry the names of its keys. SI units.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +18,7 @@
 #include "granular/base/pose.h"
 #include "granular/contact/material.h"
 #include "granular/dynamics/integrator.h"
+#include "granular/system/emitter.h"
 #include "granular/system/fill.h"
 #include "granular/system/grain_shape.h"
 
@@ -55,6 +58,19 @@ struct FillPart {
   granular::FillDef fill;
   Vector3 velocity = Vector3::Zero();
   Vector3 spin = Vector3::Zero();
+  GrainLook look;
+};
+
+/// Grains of one shape poured from a region at a rate.
+struct EmitterPart {
+  std::string name;
+  granular::FillRegion region;
+  std::string shape;
+  std::string material;
+  granular::EmitterDef emitter;
+  double from = 0.0;                                    ///< s
+  double to = std::numeric_limits<double>::infinity();  ///< s
+  Vector3 velocity = Vector3::Zero();
   GrainLook look;
 };
 
@@ -176,6 +192,18 @@ struct ScriptDef {
   std::optional<ScriptTurn> turn;
 };
 
+/// Many bodies like one, in a grid that begins where the one is placed.
+struct CopiesDef {
+  std::array<int, 3> counts = {1, 1, 1};  ///< along x, y, z, world
+  Vector3 step = Vector3::Zero();         ///< m from one to the next along each axis
+  Vector3 stagger = Vector3::Zero();      ///< m, of every second layer, upwards: bricks in bond
+  double jitter = 0.0;                    ///< m, largest random shift along each axis
+  bool randomOrientations = false;
+  std::uint64_t seed = 1;
+
+  int total() const { return counts[0] * counts[1] * counts[2]; }
+};
+
 struct BodyPart {
   std::string name;
   BodyShapeDef shape;
@@ -193,9 +221,65 @@ struct BodyPart {
   std::string script;  ///< name of a ScriptDef; empty: none
   bool replaceableByMesh = false;
   BodyLook look;
+  std::optional<CopiesDef> copies;
+  std::string group;              ///< name of the body this is a copy of; empty: it is none
+  std::array<int, 3> place = {};  ///< of a copy in its grid
 
   /// Else Bullet alone moves it, and grains do not see it.
   bool meetsGrains() const { return covering || contact == BodyContact::exact; }
+};
+
+enum class JointKind { fixed, hinge, point };
+
+/// A constraint of Bullet between two bodies, or between all neighbours among the copies of a body.
+struct JointPart {
+  std::string name;
+  JointKind kind = JointKind::fixed;
+  std::string bodies[2];                ///< names; of copies "brick[3]"
+  std::string copiesOf;                 ///< comes instead of `bodies`
+  int along = 1;                        ///< axis of the grid of copies: 0, 1, 2
+  std::optional<Vector3> at;            ///< m, world, at the start; none: halfway between the bodies
+  Vector3 axis = Vector3::UnitY();      ///< of a hinge, world, at the start
+  std::optional<double> breakingForce;  ///< N, and N m of torque; none: never breaks
+};
+
+// ---- meters: what a run measures of the outcome
+/// Mass of grains that has passed a plane.
+struct FlowMeterDef {
+  Vector3 point = Vector3::Zero();
+  Vector3 direction = -Vector3::UnitY();  ///< of length 1
+  double from = 0.15, to = 0.75;          ///< fractions of all mass between which the rate is taken
+};
+/// How many rings are threaded on poles, and where the others lie.
+struct RingMeterDef {
+  std::string rings;        ///< body with copies: rings round the z axis they are drawn with
+  std::string poles;        ///< body with or without copies: cylinders
+  double holeRadius = 0.0;  ///< m
+  double nearPole = 0.0;    ///< m, horizontal distance to an axis that counts as "at a pole"
+  Box walls;                ///< inner faces of the box, m
+  double nearWall = 0.0;    ///< m
+};
+/// How many bodies have moved from where they were.
+struct DisplacementMeterDef {
+  std::vector<std::string> bodies;  ///< names, with all their copies
+  double distance = 0.0;            ///< m
+};
+/// What a moved body pushes along.
+struct PushMeterDef {
+  std::string body;
+  Vector3 direction = Vector3::UnitX();  ///< of length 1
+  double distance = 0.0;                 ///< m along `direction` from which on something counts as pushed
+};
+struct MeterPart {
+  std::string name;
+  std::variant<FlowMeterDef, RingMeterDef, DisplacementMeterDef, PushMeterDef> def;
+};
+
+/// A bound on a result of a meter at the end of a whole run.
+struct ExpectedPart {
+  std::string meter;
+  std::string value;
+  std::optional<double> atLeast, atMost;
 };
 
 /// Beyond `box` a grain counts as escaped. In a closed scene that is a failure.
@@ -228,13 +312,16 @@ struct OutputsDef {
   int vtpEvery = 1;                           ///< frames
   std::vector<std::string> trajectoryBodies;  ///< names of bodies
   std::vector<std::string> trajectoryGrains;  ///< names of grains placed by hand
+  bool state = true;                          ///< the state at the end, to go on from
 };
 
 struct SceneDef {
   std::filesystem::path file;
   std::string name;
   std::string description;
-  std::string scale;  ///< the one that was applied
+  std::string scale;      ///< the one that was applied
+  std::string document;   ///< the file's JSON after its scale, as text: goes into state files
+  std::string continues;  ///< name of the scene whose end this one begins with; empty: none
   Vector3 gravity = {0.0, -9.81, 0.0};
   double duration = 1.0;    ///< s
   double frameRate = 30.0;  ///< frames per second
@@ -246,8 +333,13 @@ struct SceneDef {
   std::vector<granular::GrainShapeDef> shapes;
   std::vector<FillPart> fills;
   std::vector<GrainPart> grains;
+  std::vector<EmitterPart> emitters;
   std::map<std::string, ScriptDef> scripts;
   std::vector<BodyPart> bodies;
+  std::vector<JointPart> joints;
+  std::vector<MeterPart> meters;
+  std::vector<ExpectedPart> expected;
+  double largestStartOverlap = 0.25;  ///< between bodies, in smaller particle radii, before the first step
   std::optional<ContainerDef> container;
   std::optional<double>
       groundHeight;  ///< m, along -gravity through the origin: no particle centre may be below

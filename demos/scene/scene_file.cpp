@@ -86,14 +86,24 @@ std::vector<std::string> scaleNames(const Json& json, const std::string& file) {
   return names;
 }
 
-/// The patch of one scale.
-Json patchOf(const Json& json, const std::string& scale, const std::string& file) {
+/// A named patch and its name.
+struct Patch {
+  std::string name;
+  Json json;
+};
+
+/// The patches of a scale, or of several joined by "+".
+std::vector<Patch> patchesOf(const Json& json, const std::string& scale, const std::string& file) {
   const std::vector<std::string> names = scaleNames(json, file);
-  if (std::find(names.begin(), names.end(), scale) == names.end()) {
-    throw SceneError(file, "scales", "value \"" + scale + "\"; allowed: one of " + joined(names));
+  std::vector<Patch> patches;
+  std::istringstream parts(scale);
+  for (std::string name; std::getline(parts, name, '+');) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw SceneError(file, "scales", "value \"" + name + "\"; allowed: one of " + joined(names));
+    const bool there = json.is_object() && json.contains("scales") && json["scales"].contains(name);
+    patches.push_back({name, there ? json["scales"][name] : Json::object()});
   }
-  const bool there = json.is_object() && json.contains("scales") && json["scales"].contains(scale);
-  return there ? json["scales"][scale] : Json::object();
+  return patches;
 }
 
 /// Whether a key path such as "bodies.ball.shape" is set by a patch.
@@ -158,6 +168,7 @@ SceneDef readDocument(const Json& json, const std::filesystem::path& file) {
   scene.file = file;
   scene.name = object.string("name");
   scene.description = object.string("description", "");
+  scene.continues = object.string("continues", "");
   scene.gravity = object.vector3("gravity", scene.gravity);
   readTimes(object, scene);
   scene.seed =
@@ -167,17 +178,27 @@ SceneDef readDocument(const Json& json, const std::filesystem::path& file) {
   const std::vector<std::string> materials = namesOf(scene.materials);
   scene.pairs = readPairs(listed("pairs"), materials);
   scene.shapes = readGrainShapes(named("shapes"));
-  scene.fills = readFills(named("fills"), namesOf(scene.shapes), materials);
+  scene.fills = readFills(named("fills"), namesOf(scene.shapes), materials, file.parent_path());
   scene.grains = readGrains(named("grains"), namesOf(scene.shapes), materials);
   scene.scripts = readScripts(named("scripts"));
   std::vector<std::string> scripts;
   for (const auto& script : scene.scripts) scripts.push_back(script.first);
   scene.bodies = readBodies(named("bodies"), materials, scripts, file.parent_path());
+  scene.emitters = readEmitters(named("emitters"), namesOf(scene.shapes), materials, file.parent_path());
+  scene.joints = readJoints(named("joints"), scene.bodies);
+  scene.meters = readMeters(named("meters"), scene.bodies);
+  scene.expected = readExpected(listed("expect"), scene.meters);
+  scene.largestStartOverlap =
+      object.number("largestStartOverlap", Range::notNegative(), scene.largestStartOverlap);
   if (object.has("container")) scene.container = readContainer(object.object("container"));
   scene.groundHeight = object.optionalNumber("groundHeight", Range::any());
   scene.cameras = readCameras(named("cameras"));
   scene.look = readLook(named("look"));
-  scene.outputs = readOutputs(named("outputs"), namesOf(scene.bodies), namesOf(scene.grains));
+  std::vector<std::string> single;
+  for (const BodyPart& body : scene.bodies) {
+    if (!body.copies) single.push_back(body.name);
+  }
+  scene.outputs = readOutputs(named("outputs"), single, namesOf(scene.grains));
   object.finish();
   return scene;
 }
@@ -215,25 +236,46 @@ const std::vector<std::string>& stepperNames() {
   return names;
 }
 
-SceneDef readScene(const std::string& text, const std::filesystem::path& file, const std::string& scale) {
+SceneDef readScene(const std::string& text, const std::filesystem::path& file, const std::string& scale,
+                   const std::string& base) {
   Json json = parse(text, file.string());
-  const Json patch = patchOf(json, scale, file.string());
+  const std::vector<Patch> patches = patchesOf(json, scale, file.string());
   if (json.is_object()) {
     json.erase("scales");
-    json.merge_patch(patch);
+    for (const Patch& patch : patches) json.merge_patch(patch.json);
+    if (base.empty() && json.contains("continues")) {
+      const std::string from = JsonObject({&json, file.string(), ""}).string("continues");
+      throw SceneError(file.string(), "continues",
+                       "begins with the end of \"" + from + "\": needs its state file (granular_demo run " +
+                           from + " writes it, --resume FILE reads it)");
+    }
+    if (!base.empty()) {
+      Json whole = parse(base, file.string());
+      whole.merge_patch(json);
+      json = std::move(whole);
+    }
   }
   try {
     SceneDef scene = readDocument(json, file);
     scene.scale = scale;
+    scene.document = json.dump();
     return scene;
   } catch (const SceneError& error) {
-    if (!isSetBy(patch, error.path)) throw;
-    throw SceneError(error.file, "scales." + scale + "." + error.path, error.problem);
+    const auto last = std::find_if(patches.rbegin(), patches.rend(),
+                                   [&](const Patch& patch) { return isSetBy(patch.json, error.path); });
+    if (last == patches.rend()) throw;
+    throw SceneError(error.file, "scales." + last->name + "." + error.path, error.problem);
   }
 }
 
-SceneDef readSceneFile(const std::filesystem::path& file, const std::string& scale) {
-  return readScene(textOf(file), file, scale);
+SceneDef readSceneFile(const std::filesystem::path& file, const std::string& scale, const std::string& base) {
+  return readScene(textOf(file), file, scale, base);
+}
+
+SceneTitle readTitle(const std::filesystem::path& file) {
+  const Json json = parse(textOf(file), file.string());
+  JsonObject object({&json, file.string(), ""});
+  return {object.string("name"), object.string("description", ""), object.string("continues", "")};
 }
 
 std::vector<std::string> scalesOf(const std::filesystem::path& file) {

@@ -120,6 +120,7 @@ OutputsDef readOutputs(const JsonPlace& place, const std::vector<std::string>& b
   outputs.quality = static_cast<Quality>(object.choice("quality", {"preview", "normal", "best"}, 0));
   outputs.vtp = object.boolean("vtp", outputs.vtp);
   outputs.vtpEvery = static_cast<int>(object.integer("vtpEvery", 1, 1000000, outputs.vtpEvery));
+  outputs.state = object.boolean("state", outputs.state);
   if (object.has("trajectories")) {
     JsonObject trajectories = object.object("trajectories");
     if (trajectories.has("bodies"))

@@ -14,7 +14,11 @@ std::vector<PairDef> readPairs(const JsonPlace& place, const std::vector<std::st
 // scene_grains.cpp
 std::vector<granular::GrainShapeDef> readGrainShapes(const JsonPlace& place);
 std::vector<FillPart> readFills(const JsonPlace& place, const std::vector<std::string>& shapeNames,
-                                const std::vector<std::string>& materialNames);
+                                const std::vector<std::string>& materialNames,
+                                const std::filesystem::path& folder);
+std::vector<EmitterPart> readEmitters(const JsonPlace& place, const std::vector<std::string>& shapeNames,
+                                      const std::vector<std::string>& materialNames,
+                                      const std::filesystem::path& folder);
 std::vector<GrainPart> readGrains(const JsonPlace& place, const std::vector<std::string>& shapeNames,
                                   const std::vector<std::string>& materialNames);
 
@@ -23,6 +27,16 @@ std::map<std::string, ScriptDef> readScripts(const JsonPlace& place);
 std::vector<BodyPart> readBodies(const JsonPlace& place, const std::vector<std::string>& materialNames,
                                  const std::vector<std::string>& scriptNames,
                                  const std::filesystem::path& folder);
+
+/// Keys of a mesh: "file", "scale" or "boundingSize", "center".
+MeshShape readMeshShape(JsonObject& object, const std::filesystem::path& folder);
+
+// scene_joints.cpp
+std::vector<JointPart> readJoints(const JsonPlace& place, const std::vector<BodyPart>& bodies);
+
+// scene_meters.cpp
+std::vector<MeterPart> readMeters(const JsonPlace& place, const std::vector<BodyPart>& bodies);
+std::vector<ExpectedPart> readExpected(const JsonPlace& place, const std::vector<MeterPart>& meters);
 
 // scene_look.cpp
 std::vector<CameraPart> readCameras(const JsonPlace& place);

@@ -29,22 +29,6 @@ TriangleMesh placed(TriangleMesh mesh, const Pose& pose) {
   return mesh;
 }
 
-TriangleMesh readSolidMesh(const MeshShape& shape) {
-  TriangleMesh mesh = granular::readMeshFile(shape.file);
-  if (granular::checkMesh(mesh).isInsideOut()) granular::turnInsideOut(mesh);
-  const granular::MeshReport report = granular::checkMesh(mesh);
-  if (!report.isSolid()) {
-    std::string faults = report.text();
-    std::replace(faults.begin(), faults.end(), '\n', ';');
-    throw std::runtime_error(shape.file.string() + ": not the closed surface of a solid: " + faults);
-  }
-  const Box box = granular::boundingBox(mesh);
-  const double scale = shape.boundingSize ? *shape.boundingSize / box.size().norm() : shape.scale;
-  const Vector3 shift = shape.center ? Vector3(*shape.center - scale * box.center()) : Vector3::Zero();
-  for (Vector3& v : mesh.vertices) v = scale * v + shift;
-  return mesh;
-}
-
 /// A flat rectangle facing +y.
 TriangleMesh patchMesh(const PlanePatchShape& patch) {
   const double x = 0.5 * patch.sizeX;
@@ -182,6 +166,22 @@ void setBulletShape(const BodyShapeDef& def, BodyKind motion, BodySolid& solid) 
 }
 
 }  // namespace
+
+granular::TriangleMesh readSolidMesh(const MeshShape& shape) {
+  TriangleMesh mesh = granular::readMeshFile(shape.file);
+  if (granular::checkMesh(mesh).isInsideOut()) granular::turnInsideOut(mesh);
+  const granular::MeshReport report = granular::checkMesh(mesh);
+  if (!report.isSolid()) {
+    std::string faults = report.text();
+    std::replace(faults.begin(), faults.end(), '\n', ';');
+    throw std::runtime_error(shape.file.string() + ": not the closed surface of a solid: " + faults);
+  }
+  const Box box = granular::boundingBox(mesh);
+  const double scale = shape.boundingSize ? *shape.boundingSize / box.size().norm() : shape.scale;
+  const Vector3 shift = shape.center ? Vector3(*shape.center - scale * box.center()) : Vector3::Zero();
+  for (Vector3& v : mesh.vertices) v = scale * v + shift;
+  return mesh;
+}
 
 BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion, BodyAxes axes) {
   BodySolid solid;

@@ -36,6 +36,9 @@ enum class BodyAxes {
 /// Throws std::runtime_error naming the file if a mesh cannot be read or is not the surface of a solid.
 BodySolid makeBodySolid(const BodyShapeDef& shape, BodyKind motion, BodyAxes axes = BodyAxes::principal);
 
+/// The closed surface of a mesh file, scaled and put where the shape says. Throws as makeBodySolid.
+granular::TriangleMesh readSolidMesh(const MeshShape& shape);
+
 /// Smallest box round a shape, in the frame it was drawn in.
 Box boundsOf(const BodyShapeDef& shape);
 
