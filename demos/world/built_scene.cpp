@@ -333,7 +333,7 @@ granular::FillRegion BuiltScene::clearOfExactBodies(granular::FillRegion region)
       continue;
     }
     if (!space) {
-      const auto distance = std::make_shared<granular::MeshDistance>(body.solid.parts.front());
+      const auto distance = std::make_shared<granular::MeshDistance>(body.solid->parts.front());
       region.depth = [depth = std::move(region.depth), pose = body.pose(), distance](const Vector3& p) {
         return std::min(depth(p), distance->nearest(pose.toOwn(p)).signedDistance);
       };

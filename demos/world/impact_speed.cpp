@@ -32,7 +32,7 @@ Span spanOf(const BuiltScene& scene, const Vector3& up) {
   for (const BuiltBody& body : scene.bodies()) {
     if (body.part->contact != BodyContact::exact || std::holds_alternative<HalfSpaceShape>(body.part->shape))
       continue;
-    for (const Vector3& v : body.solid.parts.front().vertices) span.add(up.dot(body.pose().toWorld(v)), 0.0);
+    for (const Vector3& v : body.solid->parts.front().vertices) span.add(up.dot(body.pose().toWorld(v)), 0.0);
   }
   return span;
 }

@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int status = 0;
   granular_bench::addPeersCommand(app, status);
+  granular_bench::addPaperTableCommand(app, status);
   granular_bench::addRestitutionCommand(app, status);
   granular_bench::addSurfacesCommand(app, status);
   granular_bench::addVerifyCommand(app, status);
