@@ -11,15 +11,15 @@
 #include <limits>
 #include <thread>
 
-#include "demos/cover_command.h"
-#include "demos/export_command.h"
-#include "demos/json_object.h"
-#include "demos/progress_line.h"
-#include "demos/run_report.h"
-#include "demos/run_scene.h"
-#include "demos/scene_catalog.h"
-#include "demos/scene_file.h"
-#include "demos/stop_signal.h"
+#include "demos/runner/cover_command.h"
+#include "demos/runner/export_command.h"
+#include "demos/runner/progress_line.h"
+#include "demos/runner/run_report.h"
+#include "demos/runner/run_scene.h"
+#include "demos/runner/stop_signal.h"
+#include "demos/scene/json_object.h"
+#include "demos/scene/scene_catalog.h"
+#include "demos/scene/scene_file.h"
 
 namespace {
 
@@ -33,7 +33,7 @@ constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
 const char* const kExitStatus =
     "Exit status: 0 completed and all checks passed; 1 something failed while running; 2 bad scene file or\n"
     "arguments; 3 completed, but a check failed: grains passed through a surface, or energy came from\n"
-    "nowhere; 130 interrupted.";
+    "nowhere or got lost, or an outcome is not as the scene expects; 130 interrupted.";
 
 /// What the command line asks for beyond the scene file.
 struct Arguments {
@@ -42,6 +42,7 @@ struct Arguments {
   std::filesystem::path out;
   std::filesystem::path report;
   std::filesystem::path mesh;
+  std::filesystem::path resume;
   std::optional<int> frames;
   std::optional<double> tolerance;
   std::optional<std::uint64_t> seed;
@@ -68,9 +69,9 @@ void addRunOptions(CLI::App& run, Arguments& a) {
   constexpr int kMost = std::numeric_limits<int>::max();
   run.add_option("scene", a.scene, "Name of a scene (see list) or a scene file")->required();
   run.add_option("--out", a.out, "Folder for all files; default ./out/SCENE");
-  run.add_option("--frames", a.frames, "Frames to run; default: the scene's duration")
+  run.add_option("--frames", a.frames, "Run to this frame; default: the scene's duration")
       ->check(CLI::Range(1, kMost));
-  run.add_option("--scale", a.scale, "Size of the scene: one of its \"scales\"")->capture_default_str();
+  run.add_option("--scale", a.scale, "Size of the scene: one of its \"scales\", or several joined by +")->capture_default_str();
   run.add_option("--threads", a.threads, "Threads; the result is the same for any number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -82,14 +83,22 @@ void addRunOptions(CLI::App& run, Arguments& a) {
   run.add_option("--report", a.report, "Report file; default report.json in the output folder");
   run.add_option("--mesh", a.mesh, "Mesh in place of the body marked \"replaceableByMesh\"")
       ->check(CLI::ExistingFile);
+  run.add_option("--resume", a.resume,
+                 "State file (end.state of a run) to go on from, or for the scene to begin with")
+      ->check(CLI::ExistingFile);
   run.add_option("--width", a.width, "Width of pictures")->check(CLI::Range(16, 16384));
   run.add_option("--height", a.height, "Height of pictures")->check(CLI::Range(16, 16384));
   run.add_option("--quality", a.quality, "Quality of pictures")->check(CLI::IsMember(kQualities));
   run.add_flag("--no-pictures", a.noPictures, "No pictures and no film");
 }
 
-SceneDef sceneFor(const Arguments& a) {
-  SceneDef scene = readSceneFile(findScene(a.scene), a.scale);
+SceneDef sceneFor(const Arguments& a, const std::optional<SavedState>& state) {
+  const std::filesystem::path file = findScene(a.scene);
+  SceneDef scene = readSceneFile(file, a.scale, state ? state->document : "");
+  if (state && state->scene != scene.name && state->scene != scene.continues)
+    throw SceneError(a.resume.string(), "scene",
+                     "value \"" + state->scene + "\"; allowed: \"" + scene.name + "\"" +
+                         (scene.continues.empty() ? "" : " or \"" + scene.continues + "\""));
   if (!a.integrator.empty()) {
     const auto& names = stepperNames();
     const auto place = std::find(names.begin(), names.end(), a.integrator) - names.begin();
@@ -111,8 +120,10 @@ SceneDef sceneFor(const Arguments& a) {
 int list() {
   for (const std::string& name : sceneNames()) {
     const std::filesystem::path file = findScene(name);
-    std::printf("%-12s %s (scales: %s)\n", name.c_str(), readSceneFile(file).description.c_str(),
-                joined(scalesOf(file)).c_str());
+    const SceneTitle title = readTitle(file);
+    const std::string after = title.continues.empty() ? "" : ", begins with the end of " + title.continues;
+    std::printf("%-12s %s (scales: %s%s)\n", name.c_str(), title.description.c_str(),
+                joined(scalesOf(file)).c_str(), after.c_str());
   }
   return 0;
 }
@@ -140,10 +151,21 @@ bool printSummary(const FinishedRun& run, const std::filesystem::path& report) {
   std::fprintf(
       passed ? stdout : stderr,
       "checks %s: %lld particles through surfaces, %lld below ground, %lld grains escaped, %lld not finite, "
-      "energy rise %.2g of the fall\n",
+      "energy rise %.2g of the fall, %.2g of the energy put in not accounted for\n",
       passed ? "passed" : "FAILED", static_cast<long long>(r.worst.insideBodies),
       static_cast<long long>(r.worst.belowGround), static_cast<long long>(r.worst.outside),
-      static_cast<long long>(r.worst.notFinite + r.totals.quarantined), r.energy.worstFraction());
+      static_cast<long long>(r.worst.notFinite + r.totals.quarantined), r.energy.worstFraction(),
+      r.balance.worstFraction());
+  for (const MeterResult& meter : r.meters) {
+    std::printf("%s:", meter.name.c_str());
+    for (const auto& [name, value] : meter.values) std::printf(" %s %.4g", name.c_str(), value);
+    std::printf("\n");
+  }
+  for (const ExpectedResult& e : r.expected) {
+    if (e.holds()) continue;
+    std::fprintf(stderr, "not as expected: %s.%s is %g\n", e.part.meter.c_str(), e.part.value.c_str(),
+                 e.known ? e.measured : std::nan(""));
+  }
   if (r.totals.flags != granular::StepFlag::None)
     std::printf("%s\n", granular::describe(r.totals.flags).c_str());
   if (!r.filmProblem.empty()) std::printf("no film: %s\n", r.filmProblem.c_str());
@@ -154,8 +176,10 @@ bool printSummary(const FinishedRun& run, const std::filesystem::path& report) {
 
 int run(const Arguments& a, const std::vector<std::string>& commandLine) {
   SceneDef scene;
+  std::optional<SavedState> state;
   try {
-    scene = sceneFor(a);
+    if (!a.resume.empty()) state = readState(a.resume);
+    scene = sceneFor(a, state);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return kBadInput;
@@ -164,6 +188,7 @@ int run(const Arguments& a, const std::vector<std::string>& commandLine) {
   options.folder = a.out.empty() ? std::filesystem::path("out") / scene.name : a.out;
   options.frames = a.frames;
   options.threads = a.threads;
+  options.state = state ? &*state : nullptr;
   options.onBuilt = printAdvice;
   ProgressLine progress;
   options.onFrame = [&](const RunProgress& p) { progress.update(p); };

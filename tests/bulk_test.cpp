@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "demos/run_scene.h"
-#include "demos/scene_catalog.h"
-#include "demos/scene_file.h"
+#include "demos/runner/run_scene.h"
+#include "demos/scene/scene_catalog.h"
+#include "demos/scene/scene_file.h"
 #include "tests/verification/verification_case.h"
 
 namespace granular_demo {
@@ -56,6 +56,59 @@ TEST_F(DefaultSplash, HeapsUpAtTheFootOfTheWall) {
   }
   EXPECT_GT(atFoot, 30);
   EXPECT_GT(raised, 10);
+}
+
+/// The scenes of the paper at their small scale, from start to outcome. The files say what is expected.
+FinishedRun runToTheEnd(const std::string& name, const std::string& scale,
+                        const SavedState* state = nullptr) {
+  SceneDef scene = readSceneFile(findScene(name), scale, state ? state->document : "");
+  scene.outputs.pictures = false;
+  return runScene(scene, {.threads = 2, .state = state});
+}
+
+void expectOutcome(const FinishedRun& run) {
+  const RunResult& r = run.result;
+  EXPECT_EQ(r.worst.insideBodies, 0) << r.worst.inside;
+  EXPECT_EQ(r.worst.belowGround, 0);
+  EXPECT_EQ(r.worst.notFinite, 0);
+  EXPECT_LE(r.energy.worstFraction(), 1e-3);
+  EXPECT_LE(r.balance.worstFraction(), 0.01) << "at " << r.balance.worstTime() << " s";
+  EXPECT_GT(r.expected.size(), 0u);
+  for (const ExpectedResult& e : r.expected)
+    EXPECT_TRUE(e.holds()) << e.part.meter << "." << e.part.value << " is " << e.measured;
+}
+
+double valueOf(const FinishedRun& run, const std::string& name) {
+  for (const auto& [key, value] : run.result.meters.at(0).values) {
+    if (key == name) return value;
+  }
+  ADD_FAILURE() << "no value " << name;
+  return 0.0;
+}
+
+TEST(PaperScales, CanBeBuilt) {
+  for (const char* name : {"hourglass", "rings", "splash", "avalanche"}) {
+    BuiltScene scene(readSceneFile(findScene(name), "paper"), 2);
+    EXPECT_EQ(scene.grains().measure().energy.elastic, 0.0) << name;
+  }
+}
+
+TEST(SmallHourglass, RunsAtANearlyConstantRateUntilItIsEmpty) {
+  expectOutcome(runToTheEnd("hourglass", "small"));
+}
+
+TEST(SmallRings, ScatterWhereSmoothMoreThanWhereRough) {
+  const FinishedRun smooth = runToTheEnd("rings", "small"), rough = runToTheEnd("rings", "small+rough");
+  expectOutcome(smooth);
+  expectOutcome(rough);
+  EXPECT_GT(valueOf(smooth, "meanDistanceFromMiddle"), valueOf(rough, "meanDistanceFromMiddle"));
+}
+
+TEST(SmallAvalanche, BreaksStructuresThatStoodBefore) {
+  const FinishedRun avalanche = runToTheEnd("avalanche", "small");
+  expectOutcome(avalanche);
+  const SavedState remains = avalanche.scene->savedState();
+  expectOutcome(runToTheEnd("bulldozer", "small", &remains));
 }
 
 }  // namespace

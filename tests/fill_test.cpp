@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "granular/geometry/mesh_primitives.h"
+
 namespace granular {
 namespace {
 
@@ -200,6 +202,93 @@ TEST(Fill, OfABallHoldsAboutTheBallsShareOfItsCube) {
   // Room for centres: a ball of 0.095 against a cube of 0.19; the lattice adds a few per cent either way.
   EXPECT_NEAR(static_cast<double>(ball.size()) / static_cast<double>(cube.size()), std::numbers::pi / 6.0,
               0.06);
+}
+
+TEST(FillRegionOfASlope, HoldsWhatLiesBetweenThePlaneAndItsDepth) {
+  const FillRegion slope = slopeRegion({.foot = {1, 2, 3},
+                                        .uphill = {0, 0, -2},
+                                        .up = {0, 1, 0},
+                                        .angleDegrees = 30.0,
+                                        .length = 4.0,
+                                        .width = 2.0,
+                                        .depth = 0.5});
+  const Vector3 along = {0, 0.5, -std::sqrt(0.75)}, normal = {0, std::sqrt(0.75), 0.5};
+  const auto at = [&](double s, double n, double across) -> Vector3 {
+    return Vector3(1, 2, 3) + s * along + n * normal + across * Vector3(1, 0, 0);
+  };
+  EXPECT_NEAR(slope.depth(at(2.0, 0.1, 0.0)), 0.1, 1e-12);    // above the plane
+  EXPECT_NEAR(slope.depth(at(2.0, 0.45, 0.0)), 0.05, 1e-12);  // below the layer's top
+  EXPECT_NEAR(slope.depth(at(0.02, 0.25, 0.0)), 0.02, 1e-12);
+  EXPECT_NEAR(slope.depth(at(2.0, 0.25, 0.97)), 0.03, 1e-12);
+  EXPECT_LT(slope.depth(at(4.1, 0.25, 0.0)), 0.0);
+  for (const double s : {0.0, 4.0}) {
+    const Vector3 corner = at(s, 0.5, 1.0);
+    EXPECT_GE((corner - slope.bounds.lower).minCoeff(), -1e-12);
+    EXPECT_GE((slope.bounds.upper - corner).minCoeff(), -1e-12);
+  }
+}
+
+TEST(FillRegionOfAMesh, IsTheBoxThatTheMeshIs) {
+  const FillRegion mesh = meshRegion(makeBox({0.2, 0.4, 0.6}));
+  const FillRegion box = boxRegion({{-0.1, -0.2, -0.3}, {0.1, 0.2, 0.3}});
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3 p = {random.uniform(-0.1, 0.1), random.uniform(-0.2, 0.2), random.uniform(-0.3, 0.3)};
+    EXPECT_NEAR(mesh.depth(p), box.depth(p), 1e-12);
+  }
+  EXPECT_LT(mesh.depth({0.11, 0, 0}), 0.0);
+}
+
+TEST(FillRegionOfAMesh, RefusesAnOpenMesh) {
+  TriangleMesh open = makeBox({1, 1, 1});
+  open.triangles.pop_back();
+  EXPECT_THROW(meshRegion(open), std::invalid_argument);
+}
+
+TEST(FillRegionOfATurnedBox, HasTheBoundsOfItsCorners) {
+  const Quaternion turn(Eigen::AngleAxisd(std::numbers::pi / 6.0, Vector3::UnitZ()));
+  const FillRegion box = boxRegion(Pose{{1, 0, 0}, turn}, {2, 1, 4});
+  const double x = std::cos(std::numbers::pi / 6.0) + 0.5 * std::sin(std::numbers::pi / 6.0);
+  EXPECT_NEAR(box.bounds.upper.x(), 1.0 + x, 1e-12);
+  EXPECT_NEAR(box.bounds.upper.z(), 2.0, 1e-12);
+  EXPECT_NEAR(box.depth({1, 0, 0}), 0.5, 1e-12);
+}
+
+class SizesSpread : public ::testing::TestWithParam<SizeSpread> {};
+
+TEST_P(SizesSpread, StayBetweenTheirBoundsWithTheMeanCubeTheyPromise) {
+  Random random(5);
+  const double low = 0.5, high = 2.0;
+  double cubes = 0.0, squares = 0.0;
+  constexpr int kDraws = 200000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double scale = drawScale(GetParam(), low, high, random);
+    ASSERT_GE(scale, low);
+    ASSERT_LE(scale, high);
+    const double cube = scale * scale * scale;
+    cubes += cube;
+    squares += cube * cube;
+  }
+  const double mean = cubes / kDraws;
+  const double error = std::sqrt((squares / kDraws - mean * mean) / kDraws);
+  EXPECT_NEAR(mean, meanCubeOf(GetParam(), low, high), 4.0 * error);  // four standard errors
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEveryKind, SizesSpread,
+                         ::testing::Values(SizeSpread::Uniform, SizeSpread::LogUniform,
+                                           SizeSpread::EqualVolume));
+
+TEST(Fill, SpreadByEqualVolumeBringsAsMuchInSmallGrainsAsInLarge) {
+  const FillDef def = {
+      .seed = 2, .solidFraction = 0.1, .minScale = 0.5, .maxScale = 1.5, .sizes = SizeSpread::EqualVolume};
+  double small = 0.0, large = 0.0;
+  for (const PlacedGrain& grain :
+       fillRegion(boxRegion({{-0.2, 0, -0.2}, {0.2, 0.4, 0.2}}), sphereShape(0.006), def)) {
+    (grain.scale < 1.0 ? small : large) += std::pow(grain.scale, 3);
+  }
+  // So few grains that all find room (in dense fills large ones do less often); some 700 large ones, so that
+  // four standard errors are 15 %.
+  EXPECT_NEAR(small / large, 1.0, 0.15);
 }
 
 TEST(Fill, NamesTheSettingThatIsWrong) {

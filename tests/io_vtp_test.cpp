@@ -51,7 +51,8 @@ PointCloud threePoints() {
           .velocity = {{1, 0, 0}, {0, -2, 0}, {0, 0, 0.125}},
           .ownerKind = {0, 0, 1},
           .owner = {0, 1, 0},
-          .material = {0, 0, 1}};
+          .material = {0, 0, 1},
+          .force = {{0, 0, 1}, {0, 2, 0}, {3, 0, 0}}};
 }
 
 TEST(VtpWriter, PositionsComeBackBitForBit) {
@@ -71,6 +72,7 @@ TEST(VtpWriter, PointDataComesBack) {
   EXPECT_EQ(arrayOf<std::int32_t>(text, "ownerKind"), (std::vector<std::int32_t>{0, 0, 1}));
   EXPECT_EQ(arrayOf<std::int32_t>(text, "owner"), (std::vector<std::int32_t>{0, 1, 0}));
   EXPECT_EQ(arrayOf<std::int32_t>(text, "material"), (std::vector<std::int32_t>{0, 0, 1}));
+  EXPECT_EQ(arrayOf<float>(text, "force"), (std::vector<float>{0, 0, 1, 0, 2, 0, 3, 0, 0}));
 }
 
 TEST(VtpWriter, EveryPointIsAVertexCell) {
@@ -98,9 +100,13 @@ TEST(VtpWriter, EachTypeNameMatchesTheWidthOfItsNumbers) {
 
 TEST(VtpWriter, LeavesEmptyArraysOut) {
   const auto file = scratchFile("bare.vtp");
-  writeVtp(
-      file,
-      {.positions = {{1, 2, 3}}, .radius = {}, .velocity = {}, .ownerKind = {}, .owner = {}, .material = {}});
+  writeVtp(file, {.positions = {{1, 2, 3}},
+                  .radius = {},
+                  .velocity = {},
+                  .ownerKind = {},
+                  .owner = {},
+                  .material = {},
+                  .force = {}});
   EXPECT_EQ(textOf(file).find("Name=\"radius\""), std::string::npos);
 }
 
@@ -156,6 +162,49 @@ TEST(ParticleCloud, TellsGrainsFromBodies) {
   EXPECT_EQ(cloud.material, (std::vector<std::int32_t>{stone.index, steel.index}));
   EXPECT_EQ(cloud.radius, (std::vector<double>{0.1, 0.2}));
   EXPECT_EQ(particleCloud(system, {}).positions.size(), 1u);
+}
+
+/// Two balls that overlap along x, and one apart.
+GranularSystem touchingPair() {
+  GranularSystem system(SystemDef{.gravity = Vector3::Zero()});
+  const MaterialId stone = system.addMaterial({});
+  const GrainShapeId ball = system.addGrainShape(sphereShape(0.1));
+  for (const double x : {0.0, 0.19, 1.0})
+    system.addGrain({.shape = ball, .material = stone, .pose = {.position = {x, 0, 0}}});
+  return system;
+}
+
+TEST(ParticleCloud, CarriesTheForcesOfItsContacts) {
+  GranularSystem system = touchingPair();
+  std::vector<ContactView> contacts;
+  system.readContacts(contacts);
+  ASSERT_EQ(contacts.size(), 1u);
+  const PointCloud cloud = particleCloud(system, {}, contacts);
+  ASSERT_EQ(cloud.force.size(), 3u);
+  EXPECT_LT(cloud.force[0].x(), 0.0);  // pushed apart
+  EXPECT_EQ(cloud.force[1], -cloud.force[0]);
+  EXPECT_EQ(cloud.force[2], Vector3::Zero());
+}
+
+TEST(ContactNetwork, JoinsTheCentresOfTouchingParticles) {
+  GranularSystem system = touchingPair();
+  std::vector<ContactView> contacts;
+  std::vector<ParticleView> particles;
+  system.readContacts(contacts);
+  system.readParticles(particles);
+  const auto file = scratchFile("network.vtp");
+  writeContactNetwork(file, particles, contacts);
+  const std::string text = textOf(file);
+  const std::size_t piece = text.find("<Piece");
+  EXPECT_EQ(attribute(text, piece, "NumberOfPoints"), "2");
+  EXPECT_EQ(attribute(text, piece, "NumberOfLines"), "1");
+  EXPECT_EQ(arrayOf<double>(text, "Points"), (std::vector<double>{0, 0, 0, 0.19, 0, 0}));
+  EXPECT_EQ(arrayOf<std::int32_t>(text, "connectivity"), (std::vector<std::int32_t>{0, 1}));
+  EXPECT_EQ(arrayOf<std::int32_t>(text, "offsets"), (std::vector<std::int32_t>{2}));
+  EXPECT_EQ(arrayOf<std::int32_t>(text, "owners"), (std::vector<std::int32_t>{0, 1}));
+  EXPECT_NEAR(arrayOf<float>(text, "overlap").at(0), 0.01, 1e-6);
+  const float size = arrayOf<float>(text, "forceSize").at(0);
+  EXPECT_NEAR(size, contacts[0].force.norm(), 1e-6 * size);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The scene loader: what it reads, and that every mistake is told in one line with file and key path.
-#include "demos/scene_file.h"
+#include "demos/scene/scene_file.h"
 
 #include <gtest/gtest.h>
 
@@ -177,7 +177,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "shapes.pair.particles: value []; allowed: at least one particle"},
         Mistake{
             "/fills/heap/region/type", "torus",
-            "fills.heap.region.type: value \"torus\"; allowed: one of box, cylinder, cone, frustum, ball"},
+            "fills.heap.region.type: value \"torus\"; allowed: one of box, cylinder, cone, frustum, ball, "
+            "slope, mesh"},
         Mistake{"/fills/heap/region/radius", 0, "fills.heap.region.radius: value 0; allowed: a number > 0"},
         Mistake{"/fills/heap/shape", "cube", "fills.heap.shape: value \"cube\"; allowed: one of tetra, pair"},
         Mistake{"/fills/heap/material", 7, "fills.heap.material: value 7; allowed: one of sand, steel"},
@@ -259,9 +260,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/outputs/trajectories/bodies/0", "bell",
                 "outputs.trajectories.bodies[0]: value \"bell\"; allowed: one of ball, plate"},
         Mistake{"/windSpeed", 3,
-                "windSpeed: unknown key; allowed here: name, description, gravity, duration, frameRate, "
+                "windSpeed: unknown key; allowed here: name, description, continues, gravity, duration, "
+                "frameRate, "
                 "ticksPerFrame, seed, integrator, materials, pairs, shapes, fills, grains, scripts, bodies, "
-                "container, "
+                "emitters, joints, meters, expect, largestStartOverlap, container, "
                 "groundHeight, cameras, look, outputs"}));
 
 TEST(SceneFile, NamesAKeyThatIsMissing) {

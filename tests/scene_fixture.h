@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "demos/json_object.h"
-#include "demos/scene_file.h"
+#include "demos/scene/json_object.h"
+#include "demos/scene/scene_file.h"
 
 namespace granular_demo::testing {
 

@@ -1,57 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "granular/io/vtp_writer.h"
 
-#include <bit>
-#include <fstream>
 #include <map>
 #include <numeric>
-#include <sstream>
 
 #include "granular/base/require.h"
+#include "granular/io/detail/first_particles.h"
+#include "granular/io/detail/vtp_file.h"
 
 namespace granular {
 namespace {
 
-/// The two halves of a file: elements that say where each array is, and the arrays, one after the other.
-class AppendedData {
- public:
-  /// One <DataArray> of `components` numbers a point.
-  template <class Number>
-  void add(std::string_view name, int components, const std::vector<Number>& numbers) {
-    xml_ << "        <DataArray type=\"" << typeName(Number{}) << "\" Name=\"" << name
-         << "\" NumberOfComponents=\"" << components << "\" format=\"appended\" offset=\"" << bytes_.size()
-         << "\"/>\n";
-    const std::uint64_t size = numbers.size() * sizeof(Number);
-    append(&size, sizeof size);
-    append(numbers.data(), size);
-  }
-
-  /// A line between the arrays.
-  void line(std::string_view text) { xml_ << text << '\n'; }
-
-  std::string xml() const { return xml_.str(); }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  static const char* typeName(double) { return "Float64"; }
-  static const char* typeName(float) { return "Float32"; }
-  static const char* typeName(std::int32_t) { return "Int32"; }
-
-  void append(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
-
-  std::ostringstream xml_;
-  std::string bytes_;
-};
-
-template <class Number>
-std::vector<Number> flattened(const std::vector<Vector3>& vectors) {
-  std::vector<Number> numbers;
-  numbers.reserve(3 * vectors.size());
-  for (const Vector3& v : vectors) {
-    for (int i = 0; i < 3; ++i) numbers.push_back(static_cast<Number>(v[i]));
-  }
-  return numbers;
-}
+using detail::AppendedData;
+using detail::byteOrder;
+using detail::flattened;
+using detail::write;
+using detail::writePolyData;
 
 void checkLengths(const PointCloud& cloud) {
   const std::size_t count = cloud.positions.size();
@@ -64,6 +28,7 @@ void checkLengths(const PointCloud& cloud) {
   check(cloud.ownerKind.size(), "ownerKind");
   check(cloud.owner.size(), "owner");
   check(cloud.material.size(), "material");
+  check(cloud.force.size(), "force");
 }
 
 void addPointData(const PointCloud& cloud, AppendedData& data) {
@@ -71,6 +36,7 @@ void addPointData(const PointCloud& cloud, AppendedData& data) {
   if (!cloud.radius.empty())
     data.add("radius", 1, std::vector<float>(cloud.radius.begin(), cloud.radius.end()));
   if (!cloud.velocity.empty()) data.add("velocity", 3, flattened<float>(cloud.velocity));
+  if (!cloud.force.empty()) data.add("force", 3, flattened<float>(cloud.force));
   if (!cloud.ownerKind.empty()) data.add("ownerKind", 1, cloud.ownerKind);
   if (!cloud.owner.empty()) data.add("owner", 1, cloud.owner);
   if (!cloud.material.empty()) data.add("material", 1, cloud.material);
@@ -90,26 +56,33 @@ void addGeometry(const PointCloud& cloud, AppendedData& data) {
   data.line("      </Verts>");
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file.string() + " cannot be written");
-}
-
-const char* byteOrder() {
-  return std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+/// Sum of contact forces on each particle, N; empty if there are no contacts.
+std::vector<Vector3> contactForces(std::span<const ParticleView> particles,
+                                   std::span<const ContactView> contacts) {
+  if (contacts.empty()) return {};
+  const detail::FirstParticles first(particles);
+  std::vector<Vector3> forces(particles.size(), Vector3::Zero());
+  for (const ContactView& contact : contacts) {
+    for (int side = 0; side < 2; ++side) {
+      const std::int64_t i = first.of(contact, side);
+      if (i >= 0) forces[i] += side == 0 ? contact.force : Vector3(-contact.force);
+    }
+  }
+  return forces;
 }
 
 }  // namespace
 
-PointCloud particleCloud(const GranularSystem& system, std::span<const CloudBody> bodies) {
+PointCloud particleCloud(const GranularSystem& system, std::span<const CloudBody> bodies,
+                         std::span<const ContactView> contacts) {
   std::map<std::int32_t, CloudBody> listed;
   for (const CloudBody& body : bodies) listed[body.id.index] = body;
   std::vector<ParticleView> particles;
   system.readParticles(particles);
+  const std::vector<Vector3> forces = contactForces(particles, contacts);
   PointCloud cloud;
-  for (const ParticleView& p : particles) {
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const ParticleView& p = particles[i];
     RigidMotion motion;
     MaterialId material;
     if (p.ownerKind == OwnerKind::Grain) {
@@ -128,6 +101,7 @@ PointCloud particleCloud(const GranularSystem& system, std::span<const CloudBody
     cloud.ownerKind.push_back(static_cast<std::int32_t>(p.ownerKind));
     cloud.owner.push_back(p.ownerIndex);
     cloud.material.push_back(material.index);
+    if (!forces.empty()) cloud.force.push_back(forces[i]);
   }
   return cloud;
 }
@@ -137,17 +111,7 @@ void writeVtp(const std::filesystem::path& file, const PointCloud& cloud) {
   AppendedData data;
   addPointData(cloud, data);
   addGeometry(cloud, data);
-  std::ostringstream text;
-  text << "<?xml version=\"1.0\"?>\n"
-       << "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"" << byteOrder()
-       << "\" header_type=\"UInt64\">\n"
-       << "  <PolyData>\n"
-       << "    <Piece NumberOfPoints=\"" << cloud.positions.size() << "\" NumberOfVerts=\""
-       << cloud.positions.size() << "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
-       << data.xml() << "    </Piece>\n"
-       << "  </PolyData>\n"
-       << "  <AppendedData encoding=\"raw\">\n_" << data.bytes() << "\n  </AppendedData>\n</VTKFile>\n";
-  write(file, text.str());
+  writePolyData(file, cloud.positions.size(), cloud.positions.size(), 0, data);
 }
 
 void writePvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& series) {

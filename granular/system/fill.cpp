@@ -10,9 +10,13 @@
 
 #include "granular/base/random.h"
 #include "granular/base/require.h"
+#include "granular/system/detail/placed_particles.h"
 
 namespace granular {
 namespace {
+
+using detail::middleOf;
+using detail::PlacedParticles;
 
 // Orientations tried at one site before it is left empty. Measured for tetrahedra on a lattice of solid
 // fraction 0.38: 60 tries reach 0.353, 200 tries 0.360 at almost twice the time.
@@ -33,18 +37,6 @@ double volumeOf(const GrainShapeDef& shape) {
   return volume;
 }
 
-/// Middle of the shape, by volume of particles: the point that is put on a lattice site.
-Vector3 middleOf(const GrainShapeDef& shape) {
-  Vector3 sum = Vector3::Zero();
-  double weight = 0.0;
-  for (const ShapeParticle& p : shape.particles) {
-    const double w = p.radius * p.radius * p.radius;
-    sum += w * p.position;
-    weight += w;
-  }
-  return sum / weight;
-}
-
 double reachOf(const GrainShapeDef& shape, const Vector3& middle) {
   double reach = 0.0;
   for (const ShapeParticle& p : shape.particles) {
@@ -52,73 +44,6 @@ double reachOf(const GrainShapeDef& shape, const Vector3& middle) {
   }
   return reach;
 }
-
-/// The particles placed so far, found by place: a hash of cells as wide as the largest particle, so that
-/// whatever comes nearer than the gap lies in the 27 cells around. Cells that share a bucket only cost a
-/// distance test.
-class PlacedParticles {
- public:
-  PlacedParticles(double cellSize, double gap) : cellSize_(cellSize), gap_(gap), heads_(1024, -1) {}
-
-  void add(const ShapeParticle& particle) {
-    if (particles_.size() == heads_.size()) grow();
-    particles_.push_back(particle);
-    next_.push_back(-1);
-    link(static_cast<std::int32_t>(particles_.size() - 1));
-  }
-
-  bool isClear(const ShapeParticle& particle) const {
-    const std::array<std::int64_t, 3> cell = cellOf(particle.position);
-    for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        for (std::int64_t dz = -1; dz <= 1; ++dz) {
-          if (!isClearIn(bucketOf({cell[0] + dx, cell[1] + dy, cell[2] + dz}), particle)) return false;
-        }
-      }
-    }
-    return true;
-  }
-
- private:
-  bool isClearIn(std::size_t bucket, const ShapeParticle& particle) const {
-    for (std::int32_t i = heads_[bucket]; i >= 0; i = next_[i]) {
-      const double least = particles_[i].radius + particle.radius + gap_;
-      if ((particles_[i].position - particle.position).squaredNorm() < least * least) return false;
-    }
-    return true;
-  }
-
-  std::array<std::int64_t, 3> cellOf(const Vector3& p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x() / cellSize_)),
-            static_cast<std::int64_t>(std::floor(p.y() / cellSize_)),
-            static_cast<std::int64_t>(std::floor(p.z() / cellSize_))};
-  }
-
-  std::size_t bucketOf(const std::array<std::int64_t, 3>& cell) const {
-    std::uint64_t h = static_cast<std::uint64_t>(cell[0]) * 0x9e3779b97f4a7c15ull;
-    h = (h ^ (h >> 29)) + static_cast<std::uint64_t>(cell[1]) * 0xbf58476d1ce4e5b9ull;
-    h = (h ^ (h >> 31)) + static_cast<std::uint64_t>(cell[2]) * 0x94d049bb133111ebull;
-    h ^= h >> 30;
-    return static_cast<std::size_t>(h) & (heads_.size() - 1);
-  }
-
-  void link(std::int32_t i) {
-    const std::size_t bucket = bucketOf(cellOf(particles_[i].position));
-    next_[i] = heads_[bucket];
-    heads_[bucket] = i;
-  }
-
-  void grow() {
-    heads_.assign(2 * heads_.size(), -1);
-    for (std::size_t i = 0; i < particles_.size(); ++i) link(static_cast<std::int32_t>(i));
-  }
-
-  double cellSize_;  // m
-  double gap_;       // m
-  std::vector<ShapeParticle> particles_;
-  std::vector<std::int32_t> heads_;  // first particle of each bucket; a power of two of them
-  std::vector<std::int32_t> next_;   // next particle of the same bucket, -1 at the end
-};
 
 /// A face-centred cubic lattice as the even sites of a cubic one with planes `spacing` apart, centred in a
 /// box.
@@ -188,7 +113,7 @@ class Filler {
                std::vector<PlacedGrain>& grains) const {
     // No particle of a grain this deep below the border can be inside: spares the tries outside a round
     // region.
-    const double scale = random.uniform(def_.minScale, def_.maxScale);
+    const double scale = drawScale(def_.sizes, def_.minScale, def_.maxScale, random);
     if (region_.depth(site) < -2.0 * scale * reach_) return;
     std::vector<ShapeParticle>& trial = trial_;
     for (int tried = 0; tried < kTriesPerSite; ++tried) {
@@ -233,9 +158,7 @@ class Filler {
 
   /// Half of the cubic lattice's sites are used: one grain in 2 spacing^3.
   double spacingFor(double solidFraction) const {
-    const double a = def_.minScale;
-    const double b = def_.maxScale;
-    const double meanCube = 0.25 * (a * a * a + a * a * b + a * b * b + b * b * b);  // of a uniform scale
+    const double meanCube = meanCubeOf(def_.sizes, def_.minScale, def_.maxScale);
     return std::cbrt(0.5 * meanCube * volumeOf(shape_) / solidFraction);
   }
 
@@ -286,55 +209,6 @@ void check(const FillRegion& region, const GrainShapeDef& shape, const FillDef& 
 }
 
 }  // namespace
-
-FillRegion boxRegion(const Box& box) {
-  requireFinite(box.lower, "boxRegion lower", "m");
-  requireFinite(box.upper, "boxRegion upper", "m");
-  require((box.size().array() > 0.0).all(), "boxRegion size", box.size().transpose(), "m",
-          "> 0 in every direction");
-  return {box, [box](const Vector3& p) {
-            return std::min((p - box.lower).minCoeff(), (box.upper - p).minCoeff());
-          }};
-}
-
-FillRegion ballRegion(const Vector3& center, double radius) {
-  requireFinite(center, "ballRegion center", "m");
-  requirePositive(radius, "ballRegion radius", "m");
-  const Vector3 half = Vector3::Constant(radius);
-  return {{center - half, center + half}, [=](const Vector3& p) { return radius - (p - center).norm(); }};
-}
-
-FillRegion cylinderRegion(const Vector3& foot, const Vector3& axis, double radius, double height) {
-  return frustumRegion(foot, axis, radius, radius, height);
-}
-
-FillRegion coneRegion(const Vector3& foot, const Vector3& axis, double radius, double height) {
-  return frustumRegion(foot, axis, radius, 0.0, height);
-}
-
-FillRegion frustumRegion(const Vector3& foot, const Vector3& axis, double footRadius, double topRadius,
-                         double height) {
-  requireFinite(foot, "frustumRegion foot", "m");
-  requireFinite(axis, "frustumRegion axis", "");
-  require(axis.norm() > 0.0, "frustumRegion axis", axis.transpose(), "", "not zero");
-  requireNotNegative(footRadius, "frustumRegion footRadius", "m");
-  requireNotNegative(topRadius, "frustumRegion topRadius", "m");
-  requirePositive(std::max(footRadius, topRadius), "frustumRegion larger radius", "m");
-  requirePositive(height, "frustumRegion height", "m");
-  const Vector3 a = axis.normalized();
-  // A disc of radius R across a reaches R sqrt(1 - a_i^2) along axis i.
-  const Vector3 spread = (Vector3::Ones() - a.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
-  const Vector3 top = foot + height * a;
-  const Box bounds = {(foot - footRadius * spread).cwiseMin(top - topRadius * spread),
-                      (foot + footRadius * spread).cwiseMax(top + topRadius * spread)};
-  const double slope = (topRadius - footRadius) / height;
-  const double lateral = 1.0 / std::hypot(1.0, slope);  // cosine between the side and the axis
-  return {bounds, [=](const Vector3& p) {
-            const double z = a.dot(p - foot);
-            const double r = (p - foot - z * a).norm();
-            return std::min({z, height - z, lateral * (footRadius + slope * z - r)});
-          }};
-}
 
 std::vector<PlacedGrain> fillRegion(const FillRegion& region, const GrainShapeDef& shape,
                                     const FillDef& def) {

@@ -11,32 +11,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "granular/base/pose.h"
+#include "granular/system/fill_region.h"
 #include "granular/system/grain_shape.h"
+#include "granular/system/size_spread.h"
 
 namespace granular {
-
-/// A part of space to be filled. Any other region is made by giving these two members.
-struct FillRegion {
-  Box bounds;  ///< encloses the region, m, world frame
-  std::function<double(const Vector3&)>
-      depth;  ///< distance to the region's border, m, > 0 inside: a particle
-              ///< belongs to the region if depth(centre) >= its radius
-};
-
-FillRegion boxRegion(const Box& box);
-FillRegion ballRegion(const Vector3& center, double radius);
-/// Upright along `axis` (any length > 0) from the middle of its foot.
-FillRegion cylinderRegion(const Vector3& foot, const Vector3& axis, double radius, double height);
-/// A heap: foot radius `radius`, tip at `height` along `axis`.
-FillRegion coneRegion(const Vector3& foot, const Vector3& axis, double radius, double height);
-/// A cone cut off at `height`, where its radius is `topRadius`; one of the two radii may be 0.
-FillRegion frustumRegion(const Vector3& foot, const Vector3& axis, double footRadius, double topRadius,
-                         double height);
 
 struct FillDef {
   std::uint64_t seed = 1;  ///< same seed, same grains, on every machine
@@ -46,9 +29,11 @@ struct FillDef {
   /// Tetrahedra reach 0.353 at 0.38 and no more beyond 0.42; spheres reach 0.54. With `count`, denser
   /// lattices are tried when this one does not hold enough.
   double solidFraction = 0.38;
-  double gap = 0.01;             ///< least distance between particles, in smallest particle radii, >= 0
-  double minScale = 1.0;         ///< > 0; each grain's scale is uniform in [minScale, maxScale]
-  double maxScale = 1.0;         ///< >= minScale
+  double gap = 0.01;      ///< least distance between particles, in smallest particle radii, >= 0
+  double minScale = 1.0;  ///< > 0; each grain's scale lies in [minScale, maxScale],
+  double maxScale = 1.0;  ///< >= minScale,
+  SizeSpread sizes =
+      SizeSpread::Uniform;       ///< spread like this; where it is dense, large ones find room less often
   Vector3 up = {0.0, 1.0, 0.0};  ///< the coordinate axis nearest to it is the order of filling with `count`
   std::vector<ShapeParticle> obstacles = {};  ///< particles already there (world frame), to be kept clear of
 };

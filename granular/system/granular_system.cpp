@@ -505,6 +505,19 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
       });
 }
 
+std::vector<RememberedContact> GranularSystem::contactMemory() const {
+  return impl_->givenMemory ? *impl_->givenMemory : impl_->evaluation.exportMemory(impl_->y);
+}
+
+void GranularSystem::setContactMemory(const std::vector<RememberedContact>& memory) {
+  for (const RememberedContact& contact : memory) {
+    requireFinite(contact.displacement, "RememberedContact.displacement", "m");
+    requireNotNegative(contact.energy, "RememberedContact.energy", "J");
+  }
+  impl_->givenMemory = memory;
+  impl_->layoutIsOld = true;
+}
+
 StepReport GranularSystem::measure() {
   StepReport report;
   impl_->measure(report);

@@ -118,6 +118,16 @@ struct ContactView {
   double overlap = 0.0;                 ///< m
 };
 
+/// What a contact under eqs. 17 and 19 remembers: for files, to go on from.
+struct RememberedContact {
+  OwnerKind kind[2] = {OwnerKind::Grain, OwnerKind::Grain};
+  std::int32_t index[2] = {-1, -1};        ///< GrainId::index or BodyId::index
+  std::int32_t local[2] = {-1, -1};        ///< particle within the owner; -1: its exact surface
+  Vector3 displacement = Vector3::Zero();  ///< D of eq. 19, of the first owner against the second, m, world
+  double energy = 0.0;                     ///< in its spring, J
+  bool slides = false;
+};
+
 class GranularSystem {
  public:
   explicit GranularSystem(const SystemDef& def = {});
@@ -202,6 +212,10 @@ class GranularSystem {
   void readParticles(std::vector<ParticleView>& particles) const;
   /// Every contact of the present state, ordered by owner and particle.
   void readContacts(std::vector<ContactView>& contacts);
+  /// What contacts remember; empty where no pair of materials has a law with memory.
+  std::vector<RememberedContact> contactMemory() const;
+  /// Puts such memory back, into a system with the same owners; what belongs to no owner is dropped.
+  void setContactMemory(const std::vector<RememberedContact>& memory);
   /// Energies, momentum, contacts of the present state, without stepping.
   StepReport measure();
 

@@ -19,6 +19,10 @@ void addPeersCommand(CLI::App& app, int& status);
 /// `restitution [--out DIR]`: figure 3 of the paper, PNG and CSV.
 void addRestitutionCommand(CLI::App& app, int& status);
 
+/// `paper-table [--scale S] [--frames A:B] [--only SCENE] [--threads N] [--state FILE] [--csv FILE]`: the five
+/// scenes beside table 1 of the paper.
+void addPaperTableCommand(CLI::App& app, int& status);
+
 /// `surfaces [--grains N] [--csv FILE]`: grains on particles, on exact boxes and on distance fields: cost,
 /// drain rate, heap.
 void addSurfacesCommand(CLI::App& app, int& status);

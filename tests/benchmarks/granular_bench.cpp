@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   int status = 0;
   granular_bench::addPeersCommand(app, status);
   granular_bench::addCoverCommand(app, status);
+  granular_bench::addPaperTableCommand(app, status);
   granular_bench::addRestitutionCommand(app, status);
   granular_bench::addSurfacesCommand(app, status);
   granular_bench::addVerifyCommand(app, status);

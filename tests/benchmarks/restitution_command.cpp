@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "demos/csv_file.h"
+#include "demos/runner/csv_file.h"
 #include "demos/render/plot.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/verification/impact.h"

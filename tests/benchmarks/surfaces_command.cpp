@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "demos/csv_file.h"
+#include "demos/runner/csv_file.h"
 #include "granular/geometry/cover.h"
 #include "granular/geometry/mesh_primitives.h"
 #include "granular/granular.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "demos/csv_file.h"
+#include "demos/runner/csv_file.h"
 #include "demos/render/plot.h"
 #include "tests/verification/chung_ooi_curves.h"
 #include "tests/verification/covering_drop.h"

@@ -49,15 +49,6 @@ struct MemoryEntry {
   bool slides;    ///< then
 };
 
-/// The same by names that outlive a layout.
-struct RememberedContact {
-  OwnerKind kind[2];
-  std::int32_t index[2], local[2];  ///< local -1: the exact surface
-  Vector3 displacement;
-  double energy;
-  bool slides;
-};
-
 /// Wrench about the owner's centre and heat, of a patch or an owner.
 struct PatchWrench {
   Vector3 force = Vector3::Zero();

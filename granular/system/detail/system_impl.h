@@ -94,6 +94,7 @@ class GranularSystem::Impl {
   std::unique_ptr<StepMethod> stepper;
   StepControl control;
   std::vector<ErrorOfPiece> errorOfPiece;
+  std::optional<std::vector<RememberedContact>> givenMemory;  // comes in place of what the layout had
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;

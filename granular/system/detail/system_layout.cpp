@@ -43,7 +43,8 @@ void GranularSystem::Impl::setStepper() {
 
 void GranularSystem::Impl::prepare() {
   if (!layoutIsOld) return;
-  const std::vector<detail::RememberedContact> memory = evaluation.exportMemory(y);
+  const std::vector<RememberedContact> memory = givenMemory ? *givenMemory : evaluation.exportMemory(y);
+  givenMemory.reset();
   makeLayout();
   loadSurroundings();
   evaluation.reset(combineAllMaterials(), materials);
