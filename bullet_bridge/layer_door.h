@@ -61,8 +61,8 @@ struct CoverBodyDef {
   /// Exact: nothing below but `exactSpacing`, `surface`, `shapeSurface`, `mass` and `material` may be set.
   SurfaceContact contact = SurfaceContact::Particles;
   /// Exact, of a shape that is met by its sampled distance: between samples, m, >= 0; edges are rounded by
-  /// about half of it. 0: half the radius of the smallest particle of any grain in the world, or without grains
-  /// a 64th of the shape's size.
+  /// about half of it. 0: half the radius of the smallest particle of any grain in the world, or without
+  /// grains a 64th of the shape's size.
   double exactSpacing = 0.0;
 
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
