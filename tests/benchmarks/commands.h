@@ -9,6 +9,9 @@ class App;
 
 namespace granular_bench {
 
+/// `kernel [--particles N] [--threads N]`: what an evaluation costs, stage by stage.
+void addKernelCommand(CLI::App& app, int& status);
+
 /// `peers [--lammps FILE] [--particles N] [--steps N] [--repeats N] [--only TEXT]`: ours against LAMMPS,
 /// answers first; throws std::runtime_error if they differ.
 void addPeersCommand(CLI::App& app, int& status);
