@@ -38,10 +38,13 @@ struct ContactMemory {
 };
 
 /// What a contact does.
-struct ContactResult {
-  Vector3 force = Vector3::Zero();  ///< on particle 1, N
-  double dissipation = 0.0;         ///< power turned into heat, W
+template <class Real>
+struct ContactResultOf {
+  Vector3Of<Real> force;  ///< on particle 1, N
+  Real dissipation;       ///< power turned into heat, W
+  Real normalForce;       ///< its magnitude, N, > 0 pushes apart
 };
+using ContactResult = ContactResultOf<double>;
 
 /// Exponent p of kt ~ xi^p.
 template <class Normal>
@@ -49,18 +52,32 @@ double stiffnessPower(const ShearConstants& shear) {
   return shear.stiffness > 0.0 ? 0.0 : Normal::kStiffnessPower;
 }
 
+/// A contact under laws without memory (eqs. 16 and 18), or several at a time.
+template <class Normal, class Shear, class Real>
+ContactResultOf<Real> resultWithoutMemory(const NormalConstantsOf<Real>& normal,
+                                          const ShearConstantsOf<Real>& shear, const Real& xi,
+                                          const Vector3Of<Real>& N, const Vector3Of<Real>& V) {
+  const Real xiDot = V.dot(N);                       // eq. 4
+  const Vector3Of<Real> Vt = V - xiDot * N;          // eq. 5
+  const Real fn = Normal::force(normal, xi, xiDot);  // eqs. 6-7; by area: a pressure
+  const Vector3Of<Real> Ft = Shear::force(shear, Real(max(Real(0.0), fn)), Vt);
+  return {.force = Ft - fn * N,
+          .dissipation = (fn - Normal::elasticForce(normal, xi)) * xiDot - Ft.dot(Vt),
+          .normalForce = fn};
+}
+
 /// D, m: displacement that the contact remembers. memory: filled for laws that have one, may be null for
 /// others.
 template <class Normal, class Shear>
 ContactResult contactResult(const NormalConstants& normal, const ShearConstants& shear,
                             const ContactGeometry& g, const Vector3& D, ContactMemory* memory) {
-  const double xiDot = g.V.dot(g.N);                     // eq. 4
-  const Vector3 Vt = g.V - xiDot * g.N;                  // eq. 5
-  const double fn = Normal::force(normal, g.xi, xiDot);  // eqs. 6-7; by area: a pressure
-  const double elastic = Normal::elasticForce(normal, g.xi);
-  double heat = (fn - elastic) * xiDot;
-  Vector3 Ft;
-  if constexpr (Shear::kHasMemory) {  // eqs. 17, 19
+  if constexpr (!Shear::kHasMemory) {
+    const ContactResult one = resultWithoutMemory<Normal, Shear, double>(normal, shear, g.xi, g.N, g.V);
+    return {g.share * one.force, g.share * one.dissipation, g.share * one.normalForce};
+  } else {                                                 // eqs. 17, 19
+    const double xiDot = g.V.dot(g.N);                     // eq. 4
+    const Vector3 Vt = g.V - xiDot * g.N;                  // eq. 5
+    const double fn = Normal::force(normal, g.xi, xiDot);  // eqs. 6-7; by area: a pressure
     const double kn = Normal::tangentStiffness(normal, g.xi);
     const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
     const double growth = (stiffnessPower<Normal>(shear) / g.xi + g.shareGrowth) * xiDot;  // kt' / kt
@@ -75,7 +92,7 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
       Dt += g.memoryStep * memory->rate;
       Dt -= Dt.dot(g.N) * g.N;
     }
-    Ft = Shear::force(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
+    const Vector3 Ft = Shear::force(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
     // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
     // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
     // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper.
@@ -87,12 +104,9 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
       return kt * d.dot(Vt) - 0.5 * std::abs(growth) * kt * d.squaredNorm();
     };
     memory->heating = g.share * (heating(Dt) - heating(memory->displacement));
-    heat -= Ft.dot(Vt) + heating(Dt);
-  } else {  // eqs. 16, 18
-    Ft = Shear::force(shear, std::max(0.0, fn), Vt);
-    heat -= Ft.dot(Vt);
+    const double heat = (fn - Normal::elasticForce(normal, g.xi)) * xiDot - Ft.dot(Vt) - heating(Dt);
+    return {g.share * (Ft - fn * g.N), g.share * heat, g.share * fn};
   }
-  return {.force = g.share * (Ft - fn * g.N), .dissipation = g.share * heat};
 }
 
 }  // namespace granular

@@ -23,13 +23,20 @@ struct ElasticFoundation {
   static constexpr double kStiffnessPower = 0.0;  // tangentStiffness ~ xi^p
 
   /// Pressure, N/m^2 of area. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
-  static double force(const NormalConstants& c, double xi, double xiDot) {
-    return std::max(c.smallestForce, c.kr * xi * (1.0 + c.kd * xiDot));
+  template <class Real>
+  static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    return max(c.smallestForce, c.kr * xi * (1.0 + c.kd * xiDot));
   }
-  static double elasticForce(const NormalConstants& c, double xi) { return c.kr * xi; }
+  template <class Real>
+  static Real elasticForce(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kr * xi;
+  }
   static double elasticEnergy(const NormalConstants& c, double xi) { return 0.5 * c.kr * xi * xi; }
   static double tangentStiffness(const NormalConstants& c, double) { return c.kr; }
-  static double urgency(const NormalConstants& c, double, double) { return c.fixedUrgency; }
+  template <class Real>
+  static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
+    return c.fixedUrgency;
+  }
 
   /// s = a v for a restitution, by bisection on s in (0, 1/e).
   static double dampingForRestitution(double e, bool) {

@@ -18,16 +18,20 @@ struct Hertz {
   static constexpr bool kByArea = false;
   static constexpr double kStiffnessPower = 0.5;  // tangentStiffness ~ xi^p
 
-  static double elasticForce(const NormalConstants& c, double xi) { return c.kr * xi * std::sqrt(xi); }
+  template <class Real>
+  static Real elasticForce(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kr * xi * sqrt(xi);
+  }
   static double elasticEnergy(const NormalConstants& c, double xi) {
     return 0.4 * c.kr * xi * xi * std::sqrt(xi);
   }
   static double tangentStiffness(const NormalConstants& c, double xi) { return 1.5 * c.kr * std::sqrt(xi); }
 
   /// With the present energy as that of an impact: v0^2 = xi'^2 + (4/5) (kr/m) xi^(5/2); (kr/m)^4 v0^2.
-  static double urgency(const NormalConstants& c, double xi, double xiDot) {
-    const double k2 = c.stiffnessPerMass * c.stiffnessPerMass;
-    return k2 * k2 * (xiDot * xiDot + 0.8 * c.stiffnessPerMass * xi * xi * std::sqrt(xi));
+  template <class Real>
+  static Real urgency(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    const Real k2 = c.stiffnessPerMass * c.stiffnessPerMass;
+    return k2 * k2 * (xiDot * xiDot + 0.8 * c.stiffnessPerMass * xi * xi * sqrt(xi));
   }
 
   static double dampingForRestitution(double e, bool attraction) {

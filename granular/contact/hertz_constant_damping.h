@@ -3,16 +3,15 @@
 // the faster the impact, which no material is. For comparison.
 #pragma once
 
-#include <algorithm>
-
 #include "granular/contact/hertz.h"
 
 namespace granular {
 
 struct HertzConstantDamping : Hertz<0> {
   /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
-  static double force(const NormalConstants& c, double xi, double xiDot) {
-    return std::max(c.smallestForce, c.kr * xi * std::sqrt(xi) + c.kd * xiDot);
+  template <class Real>
+  static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    return max(c.smallestForce, c.kr * xi * sqrt(xi) + c.kd * xiDot);
   }
 };
 

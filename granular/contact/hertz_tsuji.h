@@ -3,17 +3,16 @@
 // 12): the same restitution at every impact speed.
 #pragma once
 
-#include <algorithm>
-
 #include "granular/contact/hertz.h"
 
 namespace granular {
 
 struct HertzTsuji : Hertz<1> {
   /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
-  static double force(const NormalConstants& c, double xi, double xiDot) {
-    const double root = std::sqrt(xi);
-    return std::max(c.smallestForce, c.kr * xi * root + c.kd * std::sqrt(root) * xiDot);
+  template <class Real>
+  static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    const Real root = sqrt(xi);
+    return max(c.smallestForce, c.kr * xi * root + c.kd * sqrt(root) * xiDot);
   }
 };
 

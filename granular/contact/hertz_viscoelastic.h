@@ -3,8 +3,6 @@
 // default: restitution falls with impact speed as experiments do, 1 - e_n ~ v^(1/5).
 #pragma once
 
-#include <algorithm>
-
 #include "granular/contact/hertz.h"
 
 namespace granular {
@@ -12,8 +10,9 @@ namespace granular {
 struct HertzViscoelastic : Hertz<2> {
   /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s, > 0
   /// while the particles approach.
-  static double force(const NormalConstants& c, double xi, double xiDot) {
-    return std::max(c.smallestForce, std::sqrt(xi) * (c.kr * xi + c.kd * xiDot));
+  template <class Real>
+  static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    return max(c.smallestForce, sqrt(xi) * (c.kr * xi + c.kd * xiDot));
   }
 };
 

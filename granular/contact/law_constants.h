@@ -6,35 +6,40 @@
 #include <cmath>
 #include <limits>
 
+#include "granular/base/pack.h"
 #include "granular/contact/elasticity.h"
 #include "granular/contact/material.h"
 
 namespace granular {
 
 /// Constants of a normal law.
-struct NormalConstants {
-  double kr = 0.0;                ///< stiffness, N/m^beta; N/m^3 for laws by area
-  double kd = 0.0;                ///< damping, N s/m^(1 + alpha); s/m for laws by area
-  double smallestForce = 0.0;     ///< 0: no attraction; -infinity: the damper may pull
-  double stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time of Hertz laws
-  double fixedUrgency = 0.0;      ///< for laws whose contact time does not depend on speed
+template <class Real>
+struct NormalConstantsOf {
+  Real kr = 0.0;                ///< stiffness, N/m^beta; N/m^3 for laws by area
+  Real kd = 0.0;                ///< damping, N s/m^(1 + alpha); s/m for laws by area
+  Real smallestForce = 0.0;     ///< 0: no attraction; -infinity: the damper may pull
+  Real stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time of Hertz laws
+  Real fixedUrgency = 0.0;      ///< for laws whose contact time does not depend on speed
 };
+using NormalConstants = NormalConstantsOf<double>;
 
 /// Constants of a shear law.
-struct ShearConstants {
-  double mu = 0.0;
-  double viscosity = 0.0;       ///< kt of eqs. 16 and 18, N s/m
-  double stiffness = 0.0;       ///< kt of eqs. 17 and 19 as given, N/m; 0: by the ratio
-  double stiffnessRatio = 0.0;  ///< tangential over normal tangent stiffness
+template <class Real>
+struct ShearConstantsOf {
+  Real mu = 0.0;
+  Real viscosity = 0.0;       ///< kt of eqs. 16 and 18, N s/m
+  Real stiffness = 0.0;       ///< kt of eqs. 17 and 19 as given, N/m; 0: by the ratio
+  Real stiffnessRatio = 0.0;  ///< tangential over normal tangent stiffness
   /// 1 / sqrt(kt m_t), m/(N s): the speed at which a loaded spring lets go, over its force
-  double slipCompliance = 0.0;
-  double dashpot = 0.0;  ///< beside the spring of eqs. 17 and 19, N s/m
+  Real slipCompliance = 0.0;
+  Real dashpot = 0.0;  ///< beside the spring of eqs. 17 and 19, N s/m
 };
+using ShearConstants = ShearConstantsOf<double>;
 
 /// What a normal law works its constants out from.
 struct NormalRequest {
   EffectiveContact contact;
-  double damping = 0.0;  ///< dimensionless, as the law's own dampingForRestitution returned it
+  double damping = 0.0;     ///< dimensionless, as the law's own dampingForRestitution returned it
   double speed = 1.0;       ///< at which the restitution shall hold, m/s
   double bodyLength = 0.0;  ///< depth of the elastic layer of bodies, m; laws by area only
   double bodyArea = 0.0;    ///< what the smaller body can touch with at once, m^2; laws by area only

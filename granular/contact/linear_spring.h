@@ -21,13 +21,20 @@ struct LinearSpring {
   static constexpr double kStiffnessPower = 0.0;  // tangentStiffness ~ xi^p
 
   /// Magnitude of the normal force, N, > 0 pushes apart. xi = overlap, m, > 0; xiDot = overlap rate, m/s.
-  static double force(const NormalConstants& c, double xi, double xiDot) {
-    return std::max(c.smallestForce, c.kr * xi + c.kd * xiDot);
+  template <class Real>
+  static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
+    return max(c.smallestForce, c.kr * xi + c.kd * xiDot);
   }
-  static double elasticForce(const NormalConstants& c, double xi) { return c.kr * xi; }
+  template <class Real>
+  static Real elasticForce(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kr * xi;
+  }
   static double elasticEnergy(const NormalConstants& c, double xi) { return 0.5 * c.kr * xi * xi; }
   static double tangentStiffness(const NormalConstants& c, double) { return c.kr; }
-  static double urgency(const NormalConstants& c, double, double) { return c.fixedUrgency; }
+  template <class Real>
+  static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
+    return c.fixedUrgency;
+  }
 
   /// Dimensionless contact time w0 t until the force has fallen to zero (attraction: until the overlap has).
   static double contactAngle(double z, bool attraction) {

@@ -3,7 +3,6 @@
 // choice for grains. It needs no memory, and holds a resting load only by creeping at |Vt| = load / kt.
 #pragma once
 
-#include "granular/base/pose.h"
 #include "granular/contact/law_constants.h"
 
 namespace granular {
@@ -12,10 +11,11 @@ struct RegularisedCoulomb {
   static constexpr bool kHasMemory = false;
 
   /// On particle 1, N. fn = magnitude of the normal force, N; Vt = tangential velocity of 1 against 2, m/s.
-  static Vector3 force(const ShearConstants& c, double fn, const Vector3& Vt) {
-    const double speed = Vt.norm();
-    const double kt = c.viscosity;
-    return c.mu * fn < kt * speed ? Vector3(-c.mu * fn / speed * Vt) : Vector3(-kt * Vt);
+  template <class Real>
+  static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, Real fn, const Vector3Of<Real>& Vt) {
+    const Real speed = sqrt(Vt.squaredNorm()), limit = c.mu * fn;
+    const Real kt = c.viscosity;
+    return -select(limit < kt * speed, limit / speed, kt) * Vt;
   }
 };
 

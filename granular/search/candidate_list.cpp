@@ -135,12 +135,9 @@ void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& i
   const auto rowStart = list.rowStart();
   const auto partner = list.partner();
   start_.assign(patchCount + 1, 0);
-  for (std::int32_t i = 0; i < input.dynamicCount; ++i) {
-    start_[patchOfSlot[i] + 1] += rowStart[i + 1] - rowStart[i];
-    for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
-      const std::int32_t patch = patchOfSlot[partner[c]];
-      if (patch >= 0) ++start_[patch + 1];
-    }
+  for (const std::int32_t slot : partner) {
+    const std::int32_t patch = patchOfSlot[slot];
+    if (patch >= 0) ++start_[patch + 1];
   }
   for (std::int32_t p = 0; p < patchCount; ++p) start_[p + 1] += start_[p];
   entries_.resize(start_.back());
@@ -148,9 +145,8 @@ void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& i
   for (std::int32_t rank = 0; rank < input.dynamicCount; ++rank) {
     const std::int32_t i = input.slotOfRank[rank];
     for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
-      entries_[cursor_[patchOfSlot[i]]++] = 2 * c;
       const std::int32_t patch = patchOfSlot[partner[c]];
-      if (patch >= 0) entries_[cursor_[patch]++] = 2 * c + 1;
+      if (patch >= 0) entries_[cursor_[patch]++] = c;
     }
   }
 }

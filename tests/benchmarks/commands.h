@@ -9,6 +9,9 @@ class App;
 
 namespace granular_bench {
 
+/// `kernel [--particles N] [--threads N]`: what an evaluation costs, stage by stage.
+void addKernelCommand(CLI::App& app, int& status);
+
 /// `cover [--only TEXT] [--long] [--threads N]`: time and quality of coverings; status 1 if one is wrong.
 void addCoverCommand(CLI::App& app, int& status);
 

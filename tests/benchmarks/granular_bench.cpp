@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Tables and figures of accuracy and speed of the granular module"};
   app.require_subcommand(1);
   int status = 0;
+  granular_bench::addKernelCommand(app, status);
   granular_bench::addPeersCommand(app, status);
   granular_bench::addCoverCommand(app, status);
   granular_bench::addPaperTableCommand(app, status);

@@ -75,6 +75,11 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
   const Owner& owner = layout_.owners[o];
   owners_[o].center = position;
+  if (owner.isSphere) {
+    particles_[owner.firstSlot] = {position.x(), position.y(), position.z(),
+                                   owner.scale * owner.particles.front().radius};
+    return;
+  }
   const Matrix3 rotation = owner.scale * orientation.toRotationMatrix();
   if (owner.kind == OwnerKind::Body) rotations_[o] = rotation;
   ParticleRow* row = particles_.data() + owner.firstSlot;
@@ -133,22 +138,35 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
 }
 
+/// What touches the patch: first the contacts in its own rows, then those in the rows of others.
+PatchWrench Evaluation::wrenchOfPatch(std::int32_t patch) const {
+  const Vector3 center = owners_[layout_.ownerOfPatch[patch]].center;
+  PatchWrench sum;
+  const auto [firstSlot, lastSlot] = layout_.slotsOfPatch(patch);
+  for (std::int32_t slot = firstSlot; slot < std::min(lastSlot, layout_.dynamicParticles); ++slot) {
+    const auto [first, last] = contactsOfRow_[slot];
+    for (std::int32_t n = first; n < last; ++n) {
+      const ContactForce& contact = forces_[n];
+      sum.force += contact.force;
+      sum.torque += (contact.point - center).cross(contact.force);
+      sum.dissipation += contact.dissipation;
+    }
+  }
+  for (const std::int32_t candidate : incidence_.of(patch)) {
+    const std::int32_t n = contactOfCandidate_[candidate];
+    if (n < 0) continue;
+    const ContactForce& contact = forces_[n];
+    sum.force -= contact.force;
+    sum.torque -= (contact.point - center).cross(contact.force);
+  }
+  return sum;
+}
+
 void Evaluation::sumWrenches() {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::SumWrenches)]);
   executor_.forRanges(layout_.patchCount, kPatchesPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t patch = begin; patch < end; ++patch) {
-      const Vector3 center = owners_[layout_.ownerOfPatch[patch]].center;
-      PatchWrench sum;
-      for (const std::int32_t entry : incidence_.of(static_cast<std::int32_t>(patch))) {
-        const std::int32_t n = contactOfCandidate_[entry >> 1];
-        if (n < 0) continue;
-        const ContactForce& contact = forces_[n];
-        const Vector3 force = entry & 1 ? Vector3(-contact.force) : contact.force;
-        sum.force += force;
-        sum.torque += (contact.point - center).cross(force);
-        if (!(entry & 1)) sum.dissipation += contact.dissipation;
-      }
-      patchWrenches_[patch] = sum;
+      patchWrenches_[patch] = wrenchOfPatch(static_cast<std::int32_t>(patch));
     }
   });
 }

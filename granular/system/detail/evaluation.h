@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "granular/base/parallel.h"
@@ -14,6 +16,7 @@
 #include "granular/dynamics/equations.h"
 #include "granular/search/candidate_list.h"
 #include "granular/system/detail/layout.h"
+#include "granular/system/detail/owner_row.h"
 #include "granular/system/step_report.h"
 
 namespace granular::detail {
@@ -55,13 +58,6 @@ struct PatchWrench {
   Vector3 torque = Vector3::Zero();
   double dissipation = 0.0;
 };
-
-/// Pose and motion of an owner, as contacts read it.
-struct OwnerRow {
-  Vector3 center, velocity, angularVelocity;
-  std::array<double, 3> padding;
-};
-static_assert(sizeof(OwnerRow) == 96);
 
 /// What step control wants to know of an evaluation.
 struct EvaluationSummary {
@@ -136,6 +132,7 @@ class Evaluation {
   void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
 
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
+  PatchWrench wrenchOfPatch(std::int32_t patch) const;
   void adaptSkin();
   void sortSlots();
   void rebuildCandidates();
@@ -155,6 +152,10 @@ class Evaluation {
     double urgency = 0.0, overlap = 0.0;
     std::int32_t contacts = 0, pushing = 0;
   };
+  template <class Normal, class Shear>
+  void forceOf(std::int32_t n, const Moment& at, const double* y, double* rate, Extremes& extremes);
+  template <class Normal, class Shear>
+  void forcesOfPack(std::span<const std::int32_t> which, Extremes& extremes);
   template <class Normal, class Shear>
   void forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y, double* rate,
                    Extremes& extremes);
@@ -188,7 +189,8 @@ class Evaluation {
 
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
-  std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
+  std::vector<std::int32_t> contactOfCandidate_;                      // -1: apart
+  std::vector<std::pair<std::int32_t, std::int32_t>> contactsOfRow_;  // [first, last), by slot of particle 1
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
   std::vector<PatchWrench> patchWrenches_;

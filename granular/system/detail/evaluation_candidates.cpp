@@ -112,6 +112,7 @@ void Evaluation::rebuildCandidates() {
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();
   contacts_.resize(list_.size());
+  contactsOfRow_.resize(layout_.dynamicParticles);
   forces_.resize(list_.size());
   contactOfCandidate_.resize(list_.size());
   if (!lawsByKind_) makePairLaws();

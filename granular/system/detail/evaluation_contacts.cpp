@@ -3,10 +3,12 @@
 // where two particles meet, and runs of contacts through the kernel compiled for their two laws.
 #include <cmath>
 #include <limits>
+#include <span>
 #include <variant>
 
 #include "granular/contact/law_list.h"
 #include "granular/contact/pressed_patch.h"
+#include "granular/system/detail/contact_pack.h"
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
 
@@ -82,6 +84,7 @@ void Evaluation::findContacts() {
     std::int32_t n = rowStart[begin];
     for (std::int32_t i = begin; i < end; ++i) {
       const ParticleRow a = particles_[i];
+      const std::int32_t first = n;
       for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
         bool touches;
         if (partner[c] < layout_.particleCount) {
@@ -97,6 +100,7 @@ void Evaluation::findContacts() {
         contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
         n += touches;
       }
+      contactsOfRow_[i] = {first, n};
     }
     contactsInPiece_[piece] = n - rowStart[begin];
   });
@@ -196,44 +200,101 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   return true;
 }
 
+/// The force of one contact.
+template <class Normal, class Shear>
+void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, double* rate,
+                         Extremes& extremes) {
+  const Contact& contact = contacts_[n];
+  ContactGeometry g;
+  if (!contactGeometry<Normal, Shear>(contact, g)) {
+    forces_[n] = {Vector3::Zero(), g.point, 0.0, 0.0};
+    if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
+    return;
+  }
+  const PairLaw& law = pairLaw(contact);
+  const double xiDot = g.V.dot(g.N);
+  Vector3 D = Vector3::Zero();
+  ContactMemory* memory = nullptr;
+  std::int32_t entry = -1;
+  if constexpr (Shear::kHasMemory) {
+    memory = &contactMemory_[n];
+    entry = memoryOfCandidate_[contact.candidate];
+    if (entry >= 0) {
+      D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
+      g.slides = memory_[entry].slides;
+      g.memoryStep = at.memoryStep;
+    } else if (g.isNew = true;
+               xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
+      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal>(law.shear)) *
+          (g.V - xiDot * g.N);
+    }
+  }
+  const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
+  if constexpr (Shear::kHasMemory) {
+    if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
+  }
+  forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+  ++extremes.contacts;
+  extremes.pushing += result.normalForce != 0.0;
+  extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
+  extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
+}
+
+/// The forces of up to kPackSize contacts between particles at once, under laws without memory.
+template <class Normal, class Shear>
+void Evaluation::forcesOfPack(std::span<const std::int32_t> which, Extremes& extremes) {
+  ContactRows rows;
+  for (int lane = 0; lane < kPackSize; ++lane) {  // lanes to spare do the last contact again
+    const Contact& contact = contacts_[which[std::min<std::size_t>(lane, which.size() - 1)]];
+    rows.particle1[lane] = &particles_[contact.slot1];
+    rows.particle2[lane] = &particles_[contact.slot2];
+    rows.owner1[lane] = &owners_[layout_.ownerOfSlot[contact.slot1]];
+    rows.owner2[lane] = &owners_[layout_.ownerOfSlot[contact.slot2]];
+    rows.law[lane] = &pairLaw(contact);
+  }
+  const ContactGeometryPack g = geometryOf(rows);
+  const NormalConstantsOf<Pack> normal = normalConstantsOf(rows);
+  const auto result =
+      resultWithoutMemory<Normal, Shear, Pack>(normal, shearConstantsOf(rows), g.xi, g.N, g.V);
+  const Pack urgency = Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)));
+  const Pack overlap = g.xi / g.smallerRadius;
+  for (int lane = 0; lane < static_cast<int>(which.size()); ++lane) {
+    const auto vector = [lane](const Vector3Of<Pack>& v) {
+      return Vector3(v.x()[lane], v.y()[lane], v.z()[lane]);
+    };
+    ContactForce& out = forces_[which[lane]];
+    if (!(g.xi[lane] > 0.0)) {  // the test of findContacts and the exact overlap disagree by rounding
+      out = {Vector3::Zero(), vector(g.point), 0.0, 0.0};
+      continue;
+    }
+    out = {vector(result.force), vector(g.point), result.dissipation[lane], g.xi[lane]};
+    ++extremes.contacts;
+    extremes.pushing += result.normalForce[lane] != 0.0;
+    extremes.urgency = std::max<double>(extremes.urgency, urgency[lane]);
+    extremes.overlap = std::max<double>(extremes.overlap, overlap[lane]);
+  }
+}
+
+/// Contacts [begin, end), all under these two laws.
 template <class Normal, class Shear>
 void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y,
                              double* rate, Extremes& extremes) {
-  for (std::int32_t n = begin; n < end; ++n) {
-    const Contact& contact = contacts_[n];
-    ContactGeometry g;
-    if (!contactGeometry<Normal, Shear>(contact, g)) {
-      forces_[n] = {Vector3::Zero(), g.point, 0.0, 0.0};
-      if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
-      continue;
-    }
-    const PairLaw& law = pairLaw(contact);
-    const double xiDot = g.V.dot(g.N);
-    Vector3 D = Vector3::Zero();
-    ContactMemory* memory = nullptr;
-    std::int32_t entry = -1;
-    if constexpr (Shear::kHasMemory) {
-      memory = &contactMemory_[n];
-      entry = memoryOfCandidate_[contact.candidate];
-      if (entry >= 0) {
-        D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
-        g.slides = memory_[entry].slides;
-        g.memoryStep = at.memoryStep;
-      } else if (g.isNew = true;
-                 xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-        D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal>(law.shear)) *
-            (g.V - xiDot * g.N);
+  if constexpr (Shear::kHasMemory || Normal::kByArea) {
+    for (std::int32_t n = begin; n < end; ++n) forceOf<Normal, Shear>(n, at, y, rate, extremes);
+  } else {
+    std::array<std::int32_t, kPackSize> pack;
+    std::size_t count = 0;
+    for (std::int32_t n = begin; n < end; ++n) {
+      if (contacts_[n].slot2 >= layout_.particleCount) {  // on an exact surface
+        forceOf<Normal, Shear>(n, at, y, rate, extremes);
+        continue;
       }
+      pack[count++] = n;
+      if (count < pack.size()) continue;
+      forcesOfPack<Normal, Shear>(pack, extremes);
+      count = 0;
     }
-    const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
-    if constexpr (Shear::kHasMemory) {
-      if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
-    }
-    forces_[n] = {result.force, g.point, result.dissipation, g.xi};
-    ++extremes.contacts;
-    extremes.pushing += result.force.dot(g.N) != 0.0;
-    extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
-    extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
+    if (count > 0) forcesOfPack<Normal, Shear>(std::span(pack).first(count), extremes);
   }
 }
 

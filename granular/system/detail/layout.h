@@ -9,8 +9,10 @@
 // neighbouring particles of a moving body: what one wrench is summed for.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "granular/base/pose.h"
@@ -34,6 +36,7 @@ struct Owner {
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
   Vector3 inverseInertia = Vector3::Zero();
   bool isotropic = false;
+  bool isSphere = false;  ///< one particle about the centre: its orientation places nothing
   bool isLocked = false;  ///< some axis of rotation is
   Vector3 linearFactor = Vector3::Ones();
   Vector3 angularFactor = Vector3::Ones();
@@ -110,6 +113,14 @@ struct Layout {
 
   /// Numbers ranks, patches and kinds of `owners`, which are in their order; slots in the same order.
   void finish(const std::vector<std::uint64_t>& excludedPairs);
+  /// Slots of a patch, of its particles: [first, last).
+  std::pair<std::int32_t, std::int32_t> slotsOfPatch(std::int32_t patch) const {
+    const Owner& owner = owners[ownerOfPatch[patch]];
+    const auto count = static_cast<std::int32_t>(owner.particles.size());
+    if (owner.patchCount == 1) return {owner.firstSlot, owner.firstSlot + count};
+    const std::int32_t first = (patch - owner.firstPatch) * kParticlesPerPatch;
+    return {owner.firstSlot + first, owner.firstSlot + std::min(count, first + kParticlesPerPatch)};
+  }
   /// Puts the slots of dynamic owners into this order, a permutation of [0, dynamicCount()).
   void assignSlots(std::vector<std::int32_t> order);
 

@@ -79,6 +79,7 @@ void GranularSystem::Impl::makeLayout() {
     owner.inertia = record.inertia;
     owner.inverseInertia = record.inertia.cwiseInverse();
     owner.isotropic = shape.isotropic;
+    owner.isSphere = shape.particles.size() == 1 && shape.particles.front().position.isZero();
     owner.reach = record.scale * shape.boundingRadius;
     owner.material = record.material.index;
     owner.filter = record.filter;
