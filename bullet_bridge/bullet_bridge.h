@@ -10,6 +10,8 @@
 #pragma once
 
 #include "bullet_bridge/granular_dynamics_world.h"
+#include "bullet_bridge/granular_layer.h"
 #include "bullet_bridge/shape_covering.h"
+#include "bullet_bridge/shape_mass.h"
 #include "bullet_bridge/shape_surface.h"
 #include "granular/granular.h"

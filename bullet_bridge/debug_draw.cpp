@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every k-th particle is drawn when there are more than the limit, so that the picture stays even.
+// Every k-th particle or contact is drawn when there are more than the limit, so that the picture stays even.
 #include "bullet_bridge/debug_draw.h"
 
 #include <LinearMath/btIDebugDraw.h>
@@ -23,10 +23,7 @@ void drawCross(btIDebugDraw& drawer, const btVector3& center, btScalar radius, c
   }
 }
 
-}  // namespace
-
 void drawParticles(btIDebugDraw& drawer, const granular::GranularSystem& system, int limit) {
-  if (limit <= 0) return;
   std::vector<granular::ParticleView> particles;
   system.readParticles(particles);
   const std::size_t stride = (particles.size() + limit - 1) / limit;
@@ -44,6 +41,28 @@ void drawParticles(btIDebugDraw& drawer, const granular::GranularSystem& system,
       drawCross(drawer, center, radius, color);
     }
   }
+}
+
+void drawContacts(btIDebugDraw& drawer, granular::GranularSystem& system, int limit) {
+  std::vector<granular::ContactView> contacts;
+  system.readContacts(contacts);
+  const std::size_t stride = (contacts.size() + limit - 1) / limit;
+  const btVector3 red(1, btScalar(0.2), btScalar(0.2));
+  for (std::size_t i = 0; i < contacts.size(); i += stride) {
+    const granular::ContactView& contact = contacts[i];
+    const granular::Vector3 normal = contact.force.normalized();  // zero stays zero
+    drawer.drawContactPoint(toBullet(contact.point), toBullet(normal),
+                            static_cast<btScalar>(-contact.overlap), 0, red);
+  }
+}
+
+}  // namespace
+
+void drawSand(btIDebugDraw& drawer, granular::GranularSystem& system, int limit) {
+  if (limit <= 0) return;
+  const int mode = drawer.getDebugMode();
+  if ((mode & btIDebugDraw::DBG_DrawWireframe) != 0) drawParticles(drawer, system, limit);
+  if ((mode & btIDebugDraw::DBG_DrawContactPoints) != 0) drawContacts(drawer, system, limit);
 }
 
 }  // namespace BULLET_BRIDGE_PRECISION

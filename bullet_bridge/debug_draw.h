@@ -10,9 +10,10 @@ class btIDebugDraw;
 namespace bullet_bridge {
 inline namespace BULLET_BRIDGE_PRECISION {
 
-/// Draws at most `limit` particles, evenly chosen: up to 500 as spheres, more as crosses of their size (a
+/// Under DBG_DrawWireframe particles, under DBG_DrawContactPoints contacts with their normals; at most
+/// `limit` of each, evenly chosen. Up to 500 particles are drawn as spheres, more as crosses of their size (a
 /// sphere costs the drawer some hundred lines, a cross three).
-void drawParticles(btIDebugDraw& drawer, const granular::GranularSystem& system, int limit);
+void drawSand(btIDebugDraw& drawer, granular::GranularSystem& system, int limit);
 
 }  // namespace BULLET_BRIDGE_PRECISION
 }  // namespace bullet_bridge

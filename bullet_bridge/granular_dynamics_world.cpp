@@ -15,44 +15,10 @@ GranularDynamicsWorld::GranularDynamicsWorld(btDispatcher* dispatcher, btBroadph
                                              btCollisionConfiguration* collisionConfiguration,
                                              const LayerDef& def)
     : btDiscreteDynamicsWorld(dispatcher, pairCache, constraintSolver, collisionConfiguration),
-      layer_(std::make_unique<detail::Layer>(*this, def)) {}
+      LayerDoor(std::make_unique<detail::Layer>(*this, def, true)) {}
 
-GranularDynamicsWorld::~GranularDynamicsWorld() = default;
-
-std::vector<granular::GrainId> GranularDynamicsWorld::addPile(const PileDef& def) {
-  return layer_->addPile(def);
-}
-
-granular::BodyId GranularDynamicsWorld::coverBody(btRigidBody& body, const CoverBodyDef& def) {
-  return layer_->cover(body, def);
-}
-
-void GranularDynamicsWorld::uncoverBody(btRigidBody& body) {
-  layer_->uncover(body);
-}
-
-bool GranularDynamicsWorld::isCovered(const btRigidBody& body) const {
-  return layer_->isCovered(body);
-}
-
-granular::BodyId GranularDynamicsWorld::bodyIdOf(const btRigidBody& body) const {
-  return layer_->idOf(body);
-}
-
-void GranularDynamicsWorld::setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner) {
-  layer_->setPairOwner(a, b, owner);
-}
-
-granular::GranularSystem& GranularDynamicsWorld::grains() {
-  return layer_->system();
-}
-
-const granular::GranularSystem& GranularDynamicsWorld::grains() const {
-  return layer_->system();
-}
-
-const granular::StepReport& GranularDynamicsWorld::lastStep() const {
-  return layer_->report();
+GranularDynamicsWorld::~GranularDynamicsWorld() {
+  layer_->hideGrainsFromQueries();
 }
 
 int GranularDynamicsWorld::stepSimulation(btScalar timeStep, int maxSubSteps, btScalar fixedTimeStep) {
@@ -63,11 +29,6 @@ int GranularDynamicsWorld::stepSimulation(btScalar timeStep, int maxSubSteps, bt
 void GranularDynamicsWorld::setGravity(const btVector3& gravity) {
   layer_->system().setGravity(fromBullet(gravity));  // first: it refuses what is not finite
   btDiscreteDynamicsWorld::setGravity(gravity);
-}
-
-void GranularDynamicsWorld::applyGravity() {
-  btDiscreteDynamicsWorld::applyGravity();
-  layer_->noteGravity();
 }
 
 void GranularDynamicsWorld::removeRigidBody(btRigidBody* body) {
@@ -87,10 +48,9 @@ void GranularDynamicsWorld::internalSingleStepSimulation(btScalar timeStep) {
   }
   if (m_internalPreTickCallback) (*m_internalPreTickCallback)(this, timeStep);
 
+  predictUnconstraintMotion(timeStep);  // Bullet: damping
   layer_->takeChanges(timeStep);        // what the program did to covered bodies since the last tick
   layer_->keepAwake(timeStep);          // nothing sleeps above moving sand
-  predictUnconstraintMotion(timeStep);  // Bullet: damping
-  layer_->takeDamping();
 
   btDispatcherInfo& info = getDispatchInfo();
   info.m_timeStep = timeStep;
@@ -111,6 +71,7 @@ void GranularDynamicsWorld::internalSingleStepSimulation(btScalar timeStep) {
   integrateTransforms(timeStep);
   layer_->switchSweepsOn();
   layer_->store(timeStep);  // covered bodies: (x1, v1) plus the corrections, not Bullet's integration
+  layer_->tellWhatCame();
 
   updateActions(timeStep);
   updateActivationState(timeStep);
@@ -118,10 +79,8 @@ void GranularDynamicsWorld::internalSingleStepSimulation(btScalar timeStep) {
 }
 
 void GranularDynamicsWorld::debugDrawWorld() {
-  if (btIDebugDraw* drawer = getDebugDrawer();
-      drawer && (drawer->getDebugMode() & btIDebugDraw::DBG_DrawWireframe) != 0) {
-    drawParticles(*drawer, layer_->system(), layer_->drawnParticleLimit());
-  }
+  if (btIDebugDraw* drawer = getDebugDrawer())
+    drawSand(*drawer, layer_->system(), layer_->drawnParticleLimit());
   btDiscreteDynamicsWorld::debugDrawWorld();  // flushes the drawer
 }
 

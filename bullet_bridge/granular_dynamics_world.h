@@ -5,92 +5,12 @@
 // states, sleeping. How a tick runs, and who owns which pair of bodies: bullet_bridge/README.md.
 #pragma once
 
-#include <btBulletDynamicsCommon.h>
-
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <vector>
-
-#include "bullet_bridge/precision.h"
-#include "bullet_bridge/shape_surface.h"
-#include "granular/geometry/cover.h"
-#include "granular/granular.h"
+#include "bullet_bridge/layer_door.h"
 
 namespace bullet_bridge {
 inline namespace BULLET_BRIDGE_PRECISION {
 
-namespace detail {
-class Layer;
-}
-
-struct LayerDef {
-  granular::IntegratorDef integrator = {};
-  int threads = 1;  ///< of the core, > 0; results are the same bits for every number
-
-  /// A kinematic body that a frame moves faster than this is taken as put there: it jumps, without velocity.
-  /// m/s for its centre, and for its outermost particle. Frames that Bullet cuts short (too few sub-steps)
-  /// inflate the speed of what moves in them; a jump into grains throws them, so set this well above what the
-  /// scene means by motion.
-  double kinematicSpeedLimit = 100.0;
-
-  int drawnParticleLimit = 20000;  ///< debug drawing shows evenly chosen particles up to this number, >= 0
-};
-
-/// What of a covered body meets grains and the particles of other bodies.
-enum class SurfaceContact : std::uint8_t {
-  Particles,  ///< particles on its surface, as in the paper
-  /// The shape itself, smooth and without particles. For btSphereShape, and for btStaticPlaneShape (solid on
-  /// the far side of its normal, endless) of a static or kinematic body. Meets particles only: who handles
-  /// which pair is listed in bullet_bridge/README.md.
-  Exact,
-};
-
-/// How a body gets its particles. Whatever is left out follows from the btRigidBody.
-struct CoverBodyDef {
-  /// Exact: nothing below but `material` may be set.
-  SurfaceContact contact = SurfaceContact::Particles;
-
-  /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
-  /// of which 500 discs have the body's surface, but at most a quarter of its least extent.
-  double particleRadius = 0.0;
-  /// m, as granular::CoverDef::offset; default: the covering keeps the body's size.
-  std::optional<double> offset = std::nullopt;
-  /// As granular::CoverDef::density; default: no hole that lets a grain through.
-  std::optional<double> density = std::nullopt;
-  std::uint64_t seed = 1;
-
-  /// Ready particles, body frame (origin: centre of mass).
-  std::optional<granular::Covering> covering = std::nullopt;
-  /// Covered in place of the collision shape, body frame.
-  std::optional<granular::TriangleMesh> surface = std::nullopt;
-  SurfaceDef shapeSurface = {};  ///< how the collision shape becomes a mesh; planes need a patch
-
-  /// None: made from the body's friction and restitution. Between two such bodies friction is the product of
-  /// the two (Bullet's rule) and restitution too, but not below 0.1: Bullet's default 0 has no finite
-  /// dashpot. Changes of the body's friction or restitution are followed. A material given here stays.
-  std::optional<granular::MaterialId> material = std::nullopt;
-};
-
-enum class PileShape : std::uint8_t { Sphere, Tetrahedron, Cube };
-
-/// Grains to fill a box with.
-struct PileDef {
-  granular::Box region = {};    ///< m, world frame; particles lie wholly inside
-  double particleRadius = 0.0;  ///< m, > 0
-  PileShape shape = PileShape::Tetrahedron;
-  std::optional<granular::MaterialId> material = std::nullopt;  ///< none: granular::MaterialDef{} (stone)
-  std::uint64_t seed = 1;
-  granular::ContactFilter filter = {};  ///< groups and masks as in Bullet; 1 is Bullet's default group
-};
-
-/// Who handles the contact of two bodies.
-enum class PairOwner : std::uint8_t {
-  Automatic,  ///< the particles if both bodies are covered, else Bullet
-  Bullet,     ///< Bullet's solver, also if both are covered
-};
-
-class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
+class GranularDynamicsWorld : public btDiscreteDynamicsWorld, public LayerDoor {
  public:
   /// As btDiscreteDynamicsWorld's; owns none of the four. The solver may be null, as there.
   GranularDynamicsWorld(btDispatcher* dispatcher, btBroadphaseInterface* pairCache,
@@ -99,47 +19,18 @@ class GranularDynamicsWorld : public btDiscreteDynamicsWorld {
   /// May run before or after the bodies are deleted: it touches none of them.
   ~GranularDynamicsWorld() override;
 
-  /// Fills a box with grains that overlap nothing that is there, and returns their ids.
-  std::vector<granular::GrainId> addPile(const PileDef& def);
-
-  /// From the next tick on the body meets grains and other covered bodies through particles on its surface.
-  /// Mass and inertia stay the body's own. Throws std::invalid_argument: covered already, not in this world,
-  /// a dynamic body without mass, a transform or velocity that is not finite, a shape without a known
-  /// surface, a shape that cannot be met exactly where that is asked for, a bad def.
-  granular::BodyId coverBody(btRigidBody& body, const CoverBodyDef& def = {});
-  /// Gives the body back to Bullet as it moves now. Taking a body out of the world does the same.
-  void uncoverBody(btRigidBody& body);
-  bool isCovered(const btRigidBody& body) const;
-  /// The body's name in grains(), for impulses and contacts. Ask again after changing the body's mass to or
-  /// from 0, its kinematic flag, collision filter, friction or restitution: such a change makes a new body in
-  /// the core. Throws std::invalid_argument if the body is not covered.
-  granular::BodyId bodyIdOf(const btRigidBody& body) const;
-  /// Both bodies must be covered. Holds until one of them is uncovered.
-  void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
-
-  /// The core: add, move and read grains, materials, shapes. Step it only through stepSimulation.
-  granular::GranularSystem& grains();
-  const granular::GranularSystem& grains() const;
-
-  /// What the last stepSimulation did: counts and wall times summed over its ticks, overlaps and sub-step
-  /// lengths at their extremes, the rest as it stood after the last tick.
-  const granular::StepReport& lastStep() const;
-
   // ---- what is overridden of Bullet
   /// Grains feel it at once. Throws std::invalid_argument if it is not finite.
   void setGravity(const btVector3& gravity) override;
   int stepSimulation(btScalar timeStep, int maxSubSteps = 1,
                      btScalar fixedTimeStep = btScalar(1.) / btScalar(60.)) override;
-  void applyGravity() override;
+  /// Uncovers it as well.
   void removeRigidBody(btRigidBody* body) override;
   void debugDrawWorld() override;
 
  protected:
   void saveKinematicState(btScalar timeStep) override;
   void internalSingleStepSimulation(btScalar timeStep) override;
-
- private:
-  std::unique_ptr<detail::Layer> layer_;
 };
 
 }  // namespace BULLET_BRIDGE_PRECISION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who is covered, with what particles and materials, and which pairs of covered bodies meet.
+// Who is covered, with what particles, masses and materials.
 #include "bullet_bridge/layer.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "bullet_bridge/convert.h"
 #include "bullet_bridge/pose_algebra.h"
 #include "bullet_bridge/shape_covering.h"
+#include "bullet_bridge/shape_mass.h"
 #include "granular/base/require.h"
 #include "granular/system/fill.h"
 
@@ -24,6 +25,8 @@ using granular::Vector3;
 
 /// Lowest restitution between bodies: the dashpot of a fully plastic impact is infinite.
 constexpr double kLeastRestitution = 0.1;
+/// Relative; Bullet's float boxes are this exact.
+constexpr double kMassRounding = 1e-6;
 /// Discs on a body's surface when neither the user nor any grain says how large its particles are.
 constexpr double kDefaultDiscs = 500.0;
 
@@ -61,6 +64,14 @@ void requireSolidIfDynamic(const btRigidBody& body, const std::vector<ShapePart>
                                 body.getCollisionShape()->getName() +
                                 " is open; the body must be static or kinematic");
   }
+}
+
+granular::Covering seenFrom(const granular::Pose& frame, granular::Covering covering) {
+  for (Vector3& p : covering.positions) p = frame.toOwn(p);
+  for (granular::SurfacePiece& piece : covering.pieces) {
+    for (Vector3& corner : piece.corners) corner = frame.toOwn(corner);
+  }
+  return covering;
 }
 
 double boundingRadiusOf(const granular::Covering& covering) {
@@ -119,8 +130,8 @@ double smallestGrainParticle(const granular::GranularSystem& system) {
 
 }  // namespace
 
-Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def)
-    : world_(world), def_(def), system_(systemDef(world, def)) {}
+Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAreTold)
+    : world_(world), def_(def), framesAreTold_(framesAreTold), system_(systemDef(world, def)) {}
 
 // ---- grains
 
@@ -148,6 +159,7 @@ std::vector<granular::GrainId> Layer::addPile(const PileDef& def) {
                                        .scale = grain.scale,
                                        .filter = def.filter}));
   }
+  if (queries_) queries_->update(system_);
   return grains;
 }
 
@@ -172,6 +184,10 @@ void Layer::checkCoverable(const btRigidBody& body) const {
   if (!isFinite(stateOf(body))) {
     throw std::invalid_argument("coverBody: the body's transform or velocity is not finite");
   }
+  granular::require(std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution()),
+                    "coverBody: the body's friction and restitution",
+                    Vector3(body.getFriction(), body.getRestitution(), 0.0).head<2>().transpose(), "",
+                    "finite");
   if (!body.isStaticOrKinematicObject()) {
     granular::require(body.getInvMass() > 0, "coverBody: the body's inverse mass", body.getInvMass(), "1/kg",
                       "> 0 for a dynamic body");
@@ -207,6 +223,35 @@ granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyD
   return coverParts(parts, cover);
 }
 
+/// Where the solid has its mass, for bodies that can move. A frame and moments that are the btRigidBody's own
+/// but for rounding are left to it.
+void Layer::takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const {
+  const btRigidBody& body = *covered.body;
+  if (def.mass == MassSource::Body || def.covering || body.isStaticOrKinematicObject()) return;
+  const double mass = 1.0 / double(body.getInvMass());
+  const granular::MassProperties solid =
+      def.surface ? surfaceMass(*def.surface, mass) : shapeMass(*body.getCollisionShape(), mass);
+  const double size = std::sqrt(solid.principalMoments.maxCoeff() / mass);
+  const Vector3 own = fromBullet(body.getInvInertiaDiagLocal());
+  const bool sameMoments =
+      (own.cwiseProduct(solid.principalMoments) - Vector3::Ones()).cwiseAbs().maxCoeff() < kMassRounding;
+  const bool sameFrame = solid.centerOfMass.norm() < kMassRounding * size &&
+                         solid.principalFrame.orientation.vec().norm() < kMassRounding;
+  if (sameMoments && sameFrame) return;
+  covered.momentsPerMass = solid.principalMoments / mass;
+  covered.coreFrame = solid.principalFrame;
+}
+
+double Layer::exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const {
+  granular::requireNotNegative(def.exactSpacing, "CoverBodyDef.exactSpacing", "m");
+  if (def.exactSpacing > 0.0) return def.exactSpacing;
+  const double fromGrains = smallestGrainParticle(system_);
+  if (std::isfinite(fromGrains)) return 0.5 * fromGrains;
+  btVector3 low, high;
+  body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
+  return (fromBullet(high) - fromBullet(low)).maxCoeff() / 64.0;
+}
+
 granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   checkCoverable(body);
   CoveredBody covered;
@@ -216,35 +261,68 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   granular::Covering covering;
   if (def.contact == SurfaceContact::Exact) {
     checkExactDef(def);
-    const ExactShape shape = exactShape(body);
+    const ExactShape shape = exactShape(body, def, exactSpacing(body, def), system_.threads());
     covered.exact = shape.surface;
-    covered.surfaceFrame = shape.frame;
+    covered.exactFrame = shape.frame;
+    if (covered.isPlane()) covered.coreFrame = shape.frame;
     covered.boundingRadius = shape.boundingRadius;
   } else {
     covering = makeCovering(body, def);
+  }
+  takeMassFrame(covered, def);
+  if (covered.exact) {
+    covered.boundingRadius += (covered.exactFrame.position - covered.coreFrame.position).norm();
+  } else {
+    covering = seenFrom(covered.coreFrame, std::move(covering));
     covered.boundingRadius = boundingRadiusOf(covering);
   }
   covered.make = makeOf(covered);
+  covered.worldIndex = body.getWorldArrayIndex();
+  covered.proxyId = body.getBroadphaseHandle()->m_uniqueId;
   covered.written = stateOf(body);
   covered.frameEnd = fromBullet(body.getWorldTransform());
   addToSystem(covered, std::move(covering),
-              {.pose = covered.frameEnd,
-               .velocity = fromBullet(body.getLinearVelocity()),
-               .angularVelocity = fromBullet(body.getAngularVelocity())});
+              coreMotion(covered, {.pose = covered.frameEnd,
+                                   .velocity = fromBullet(body.getLinearVelocity()),
+                                   .angularVelocity = fromBullet(body.getAngularVelocity())}));
   noteFilteredPairs(body);
   slots_[&body] = bodies_.size();
   bodies_.push_back(covered);
   return covered.id;
 }
 
-void Layer::uncover(btRigidBody& body) {
-  const std::size_t slot = static_cast<std::size_t>(&slotOf(body) - bodies_.data());
+void Layer::uncover(const btRigidBody& body) {
+  const auto found = slots_.find(&body);
+  if (found == slots_.end()) throw std::invalid_argument("uncoverBody: the body is not covered");
+  drop(found->second);
+}
+
+/// Touches the body's address only.
+void Layer::drop(std::size_t slot) {
   system_.removeBody(bodies_[slot].id);
-  for (std::set<Pair>* pairs : {&bulletOwned_, &filteredOut_, &excluded_}) forgetPairsOf(body, *pairs);
+  for (std::set<Pair>* pairs : {&bulletOwned_, &filteredOut_, &excluded_})
+    forgetPairsOf(*bodies_[slot].body, *pairs);
   bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(slot));
   slots_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) slots_[bodies_[i].body] = i;
   wakeAll_ = true;
+}
+
+/// Bullet tells nobody that a body went, and another may have been given its address: the proxy's number
+/// tells them apart.
+bool Layer::isInWorld(CoveredBody& covered) const {
+  const auto& objects = world_.getCollisionObjectArray();
+  if (covered.worldIndex >= objects.size() || objects[covered.worldIndex] != covered.body) {
+    covered.worldIndex = objects.findLinearSearch(covered.body);
+  }
+  return covered.worldIndex < objects.size() && covered.body->getBroadphaseHandle() &&
+         covered.body->getBroadphaseHandle()->m_uniqueId == covered.proxyId;
+}
+
+void Layer::forgetRemoved() {
+  for (std::size_t i = bodies_.size(); i-- > 0;) {
+    if (!isInWorld(bodies_[i])) drop(i);
+  }
 }
 
 granular::BodyId Layer::idOf(const btRigidBody& body) const {
@@ -253,10 +331,10 @@ granular::BodyId Layer::idOf(const btRigidBody& body) const {
   return covered->id;
 }
 
-CoveredBody& Layer::slotOf(const btRigidBody& body) {
-  const auto found = slots_.find(&body);
-  if (found == slots_.end()) throw std::invalid_argument("uncoverBody: the body is not covered");
-  return bodies_[found->second];
+granular::Pose Layer::massFrameOf(const btRigidBody& body) const {
+  const CoveredBody* covered = find(&body);
+  if (!covered) throw std::invalid_argument("massFrameOf: the body is not covered");
+  return covered->coreFrame;
 }
 
 const CoveredBody* Layer::find(const btCollisionObject* object) const {
@@ -295,7 +373,8 @@ BodyMake Layer::makeOf(const CoveredBody& covered) {
     make.group = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     make.mask = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
   }
-  if (covered.followsBodyMaterial) make.material = bodyMaterial(body);
+  const bool isUsable = std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution());
+  if (covered.followsBodyMaterial && isUsable) make.material = bodyMaterial(body);
   return make;
 }
 
@@ -305,13 +384,14 @@ void Layer::addToSystem(CoveredBody& covered, granular::Covering covering,
   def.motion = covered.make.motion;
   def.covering = std::move(covering);
   def.exact = covered.exact;
+  def.exactPose = composed(inverse(covered.coreFrame), covered.exactFrame);
   def.material = covered.make.material;
-  def.pose = composed(motion.pose, covered.surfaceFrame);
+  def.pose = motion.pose;
   def.filter = {.group = covered.make.group, .mask = covered.make.mask};
   if (def.motion == granular::BodyMotion::Dynamic) {
     def.velocity = motion.velocity;
     def.angularVelocity = motion.angularVelocity;
-    covered.settings = settingsOf(*covered.body, false);
+    covered.settings = settingsOf(covered, false);
     def.mass = covered.settings.mass;
     def.principalInertia = covered.settings.principalInertia;
     def.linearFactor = covered.settings.linearFactor;
@@ -324,108 +404,14 @@ void Layer::remakeIfChanged(CoveredBody& covered) {
   const BodyMake make = makeOf(covered);
   if (make == covered.make) return;
   granular::Covering covering = system_.covering(covered.id);
-  granular::RigidMotion motion = system_.bodyMotion(covered.id);
-  motion.pose = bulletPose(covered);
+  const granular::RigidMotion motion = system_.bodyMotion(covered.id);
+  covered.frameEnd = bulletPose(covered);
   system_.removeBody(covered.id);
   forgetPairsOf(*covered.body, excluded_);
   covered.make = make;
-  covered.frameEnd = motion.pose;
   covered.frameTimeLeft = 0.0;
   addToSystem(covered, std::move(covering), motion);
   wakeAll_ = true;
-}
-
-// ---- pairs
-
-Layer::Pair Layer::makePair(const btRigidBody& a, const btRigidBody& b) {
-  return std::less<>{}(&a, &b) ? Pair{&a, &b} : Pair{&b, &a};
-}
-
-void Layer::forgetPairsOf(const btRigidBody& body, std::set<Pair>& pairs) {
-  std::erase_if(pairs, [&](const Pair& pair) { return pair.first == &body || pair.second == &body; });
-}
-
-void Layer::setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner) {
-  if (!isCovered(a) || !isCovered(b) || &a == &b) {
-    throw std::invalid_argument("setPairOwner: both bodies must be covered, and not be the same");
-  }
-  if (owner == PairOwner::Bullet) {
-    bulletOwned_.insert(makePair(a, b));
-  } else {
-    bulletOwned_.erase(makePair(a, b));
-  }
-}
-
-/// The program's overlap filter is asked once per pair, as Bullet does: when the pair could first come into
-/// being.
-void Layer::noteFilteredPairs(const btRigidBody& body) {
-  btOverlappingPairCache& cache = *world_.getPairCache();
-  if (!cache.getOverlapFilterCallback()) return;
-  auto* proxy = const_cast<btBroadphaseProxy*>(body.getBroadphaseProxy());
-  for (const CoveredBody& other : bodies_) {
-    if (!cache.needsBroadphaseCollision(other.body->getBroadphaseProxy(), proxy)) {
-      filteredOut_.insert(makePair(body, *other.body));
-    }
-  }
-}
-
-/// Pairs of covered bodies that must not meet in the core: Bullet's own, filtered ones, linked bodies and
-/// ignore lists, and among pairs that Bullet sees near each other whatever an overridden check or dispatcher
-/// says no to.
-std::set<Layer::Pair> Layer::wantedExclusions() const {
-  std::set<Pair> pairs = bulletOwned_;
-  pairs.insert(filteredOut_.begin(), filteredOut_.end());
-  if (bodies_.size() < 2) return pairs;
-  for (const CoveredBody& covered : bodies_) {
-    for (int i = 0; i < covered.body->getNumObjectsWithoutCollision(); ++i) {
-      const CoveredBody* other = find(covered.body->getObjectWithoutCollision(i));
-      if (other) pairs.insert(makePair(*covered.body, *other->body));
-    }
-  }
-  const btBroadphasePairArray& near = world_.getPairCache()->getOverlappingPairArray();
-  for (int i = 0; i < near.size(); ++i) {
-    const CoveredBody* a = find(static_cast<btCollisionObject*>(near[i].m_pProxy0->m_clientObject));
-    const CoveredBody* b =
-        a ? find(static_cast<btCollisionObject*>(near[i].m_pProxy1->m_clientObject)) : nullptr;
-    if (!b || (a->body->isStaticOrKinematicObject() && b->body->isStaticOrKinematicObject())) continue;
-    const bool meet = a->body->checkCollideWith(b->body) && b->body->checkCollideWith(a->body) &&
-                      world_.getDispatcher()->needsResponse(a->body, b->body);
-    if (!meet) pairs.insert(makePair(*a->body, *b->body));
-  }
-  return pairs;
-}
-
-void Layer::updateExclusions() {
-  std::set<Pair> wanted = wantedExclusions();
-  if (wanted == excluded_) return;
-  for (const Pair& pair : excluded_) {
-    if (!wanted.contains(pair)) system_.setBodyPairContact(idOf(*pair.first), idOf(*pair.second), true);
-  }
-  for (const Pair& pair : wanted) {
-    if (!excluded_.contains(pair)) system_.setBodyPairContact(idOf(*pair.first), idOf(*pair.second), false);
-  }
-  excluded_ = std::move(wanted);
-}
-
-/// Bullet keeps finding the contacts of pairs the particles own, for the program's eyes; only its solver must
-/// not see them. Predictive contacts are manifolds as well.
-void Layer::silenceOwnPairs() {
-  if (bodies_.size() < 2) return;
-  btDispatcher& dispatcher = *world_.getDispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
-    if (manifold->getNumContacts() == 0) continue;
-    const CoveredBody* a = find(manifold->getBody0());
-    const CoveredBody* b = a ? find(manifold->getBody1()) : nullptr;
-    if (!b || !meetInCore(*a, *b) || bulletOwned_.contains(makePair(*a->body, *b->body))) continue;
-    silenced_.emplace_back(manifold, manifold->getNumContacts());
-    manifold->setNumContacts(0);
-  }
-}
-
-void Layer::unsilenceOwnPairs() {
-  for (const auto& [manifold, contacts] : silenced_) manifold->setNumContacts(contacts);
-  silenced_.clear();
 }
 
 }  // namespace detail

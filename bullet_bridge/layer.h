@@ -17,19 +17,15 @@
 #include <variant>
 #include <vector>
 
+#include "bullet_bridge/bullet_state.h"
 #include "bullet_bridge/exact_shape.h"
-#include "bullet_bridge/granular_dynamics_world.h"
+#include "bullet_bridge/grain_queries.h"
+#include "bullet_bridge/layer_door.h"
+#include "bullet_bridge/mass_frames.h"
 
 namespace bullet_bridge {
 inline namespace BULLET_BRIDGE_PRECISION {
 namespace detail {
-
-/// What Bullet holds of a body's motion.
-struct BulletState {
-  btTransform transform;
-  btVector3 velocity;
-  btVector3 angularVelocity;
-};
 
 /// What a core body is made from besides its motion; a change of it makes a new core body.
 struct BodyMake {
@@ -44,6 +40,7 @@ struct BodyMake {
 struct BodySettings {
   double mass = 0.0;
   granular::Vector3 principalInertia = granular::Vector3::Zero();
+  granular::Vector3 inverseInertia = granular::Vector3::Zero();  ///< 0 for a body that does not turn
   granular::Vector3 linearFactor = granular::Vector3::Zero();
   granular::Vector3 angularFactor = granular::Vector3::Zero();
   friend bool operator==(const BodySettings&, const BodySettings&) = default;
@@ -55,14 +52,19 @@ struct CoveredBody {
   BodyMake make;
   BodySettings settings;
   bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
-  double boundingRadius = 0.0;       ///< of the covering about the body's origin, m; 0 for a plane
+  double boundingRadius = 0.0;       ///< of the covering about the core body's origin, m; 0 for a plane
   std::optional<granular::ExactSurface> exact;  ///< met instead of particles
-  /// Of the core's body in Bullet's body frame: the core's half-space ends at y = 0 of its own frame. Else
-  /// the identity.
-  granular::Pose surfaceFrame;
+  granular::Pose exactFrame;                    ///< of its frame in Bullet's body frame
+  /// Of the core's body in Bullet's body frame: true centre of mass and principal axes; a plane's foot and
+  /// normal, as the core's half-space ends at y = 0 of its own frame. The identity where the two agree.
+  granular::Pose coreFrame;
+  /// Principal moments for each kg, m^2, along coreFrame's axes; none: the btRigidBody's own.
+  std::optional<granular::Vector3> momentsPerMass;
 
-  BulletState written;           ///< as last agreed with Bullet: a difference is the program's doing
-  bool hasGravityForce = false;  ///< Bullet's total force holds gravity in this stepSimulation
+  int worldIndex = -1;  ///< where the world's array had it last
+  int proxyId = -1;     ///< unique for each time a body is added to a world
+
+  BulletState written;  ///< as last agreed with Bullet: a difference is the program's doing
 
   // Kinematic: the pose runs from where it was to frameEnd while frameTimeLeft counts down.
   granular::Pose frameEnd;
@@ -73,14 +75,13 @@ struct CoveredBody {
   bool isPlane() const { return exact && std::holds_alternative<granular::HalfSpace>(*exact); }
 
   // Dynamic, within one tick.
-  bool held = false;  ///< asleep: stands still in the core
-  btVector3 velocityBeforeDamping;
-  btVector3 angularVelocityBeforeDamping;
+  bool held = false;            ///< asleep: stands still in the core
   btScalar sweepThreshold = 0;  ///< the program's continuous-collision threshold
   int flags = 0;                ///< the program's btRigidBodyFlags
   granular::Pose startPose;     ///< x0
   granular::Vector3 meanAngularVelocity = granular::Vector3::Zero();
   BulletState offered;         ///< before the solver
+  BulletState solved;          ///< after it, before actions
   btVector3 expectedVelocity;  ///< after the solver if nothing touches the body
   btVector3 expectedAngularVelocity;
   granular::Vector3 velocityCorrection = granular::Vector3::Zero();
@@ -88,19 +89,23 @@ struct CoveredBody {
   granular::Pose push;  ///< the solver's position correction (split impulse): a shift and a turn
 };
 
-bool isFinite(const BulletState& state);
 /// Bullet's solver changed what was offered to it: joints or foreign contacts touched the body in this tick.
 bool isCorrected(const CoveredBody& covered);
-BulletState stateOf(const btRigidBody& body);
 /// Whether the core lets the two meet: it finds contacts of moving particles, never of two exact surfaces.
 bool meetInCore(const CoveredBody& a, const CoveredBody& b);
 /// Mass, inertia and factors as they stand; a held body has no freedom at all, a body without inertia does
 /// not turn.
-BodySettings settingsOf(const btRigidBody& body, bool held);
+BodySettings settingsOf(const CoveredBody& covered, bool held);
+/// The motion of Bullet's origin and axes of the body, and of the core's.
+granular::RigidMotion bulletMotion(const CoveredBody& covered, const granular::RigidMotion& core);
+granular::RigidMotion coreMotion(const CoveredBody& covered, const granular::RigidMotion& bullet);
+/// From Bullet's origin of the body to the core's, along the core's body axes, m.
+granular::Vector3 leverOf(const CoveredBody& covered);
 
 class Layer {
  public:
-  Layer(btDiscreteDynamicsWorld& world, const LayerDef& def);
+  /// @param framesAreTold  beginKinematicFrame is called in every stepSimulation; else it is inferred
+  Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAreTold);
 
   granular::GranularSystem& system() { return system_; }
   const granular::GranularSystem& system() const { return system_; }
@@ -111,19 +116,30 @@ class Layer {
 
   std::vector<granular::GrainId> addPile(const PileDef& def);
   granular::BodyId cover(btRigidBody& body, const CoverBodyDef& def);
-  void uncover(btRigidBody& body);
+  void uncover(const btRigidBody& body);
+  /// Uncovers bodies that are no longer in the world, without touching them: they may be gone.
+  void forgetRemoved();
   bool isCovered(const btRigidBody& body) const { return slots_.contains(&body); }
   granular::BodyId idOf(const btRigidBody& body) const;
+  granular::Pose massFrameOf(const btRigidBody& body) const;
   void setPairOwner(const btRigidBody& a, const btRigidBody& b, PairOwner owner);
+
+  // ---- reading
+  void readContacts(std::vector<BodyContact>& contacts);
+  void setContactListener(ContactListener listener) { contactListener_ = std::move(listener); }
+  granular::Wrench contactForce(const btRigidBody& body);
+  std::optional<GrainHit> castRay(const granular::Vector3& from, const granular::Vector3& to) const;
+  void readGrainPoses(std::vector<granular::Pose>& poses) const;
+  void showGrainsToQueries(int group, int mask);
+  void hideGrainsFromQueries();
+  std::optional<granular::GrainId> grainOf(const btCollisionObject* object, int childIndex) const;
 
   // ---- stages of a stepSimulation
   void beginFrame();
   void beginKinematicFrame(btScalar frameTime);
-  void noteGravity();
   // ---- stages of a tick, in this order
   void takeChanges(btScalar dt);
   void keepAwake(btScalar dt);
-  void takeDamping();
   void switchSweepsOff();
   void step(btScalar dt);
   void offerMeanMotion(btScalar dt);
@@ -132,6 +148,7 @@ class Layer {
   void takeCorrections();
   void switchSweepsOn();
   void store(btScalar dt);
+  void tellWhatCame();
 
  private:
   using Pair = std::pair<const btRigidBody*, const btRigidBody*>;  // smaller address first
@@ -143,11 +160,14 @@ class Layer {
   };
 
   static Pair makePair(const btRigidBody& a, const btRigidBody& b);
-  CoveredBody& slotOf(const btRigidBody& body);
   const CoveredBody* find(const btCollisionObject* object) const;
 
+  void drop(std::size_t slot);
+  bool isInWorld(CoveredBody& covered) const;
   void checkCoverable(const btRigidBody& body) const;
+  double exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
+  void takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const;
   double defaultParticleRadius(const std::vector<ShapePart>& parts) const;
   granular::MaterialId bodyMaterial(const btRigidBody& body);
   granular::MaterialId pileMaterial();
@@ -163,11 +183,15 @@ class Layer {
   void takeKinematicPose(CoveredBody& covered, double dt);
   granular::Pose bulletPose(const CoveredBody& covered) const;
   void runKinematicTo(CoveredBody& covered, const granular::Pose& end, double duration);
-  void takeDynamicState(CoveredBody& covered);
+  void takeDynamicState(CoveredBody& covered, btScalar dt);
+  double kinematicTime(const CoveredBody& covered, const BulletState& now, double dt) const;
   void prepareDynamic(CoveredBody& covered);
   void applyLoad(CoveredBody& covered);
+  void showMassFrames();
+  void noteSolved();
+  bool addActions(const CoveredBody& covered, granular::RigidMotion& motion) const;
   granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;
-  void write(CoveredBody& covered, const granular::RigidMotion& motion);
+  void write(CoveredBody& covered, const granular::RigidMotion& core);
   void wake(CoveredBody& covered);
   bool isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const;
   bool isNearMovingBody(const CoveredBody& covered, double dt) const;
@@ -175,6 +199,7 @@ class Layer {
 
   btDiscreteDynamicsWorld& world_;
   LayerDef def_;
+  bool framesAreTold_;
   granular::GranularSystem system_;
   granular::StepReport report_;
   std::vector<CoveredBody> bodies_;
@@ -185,6 +210,11 @@ class Layer {
   std::set<Pair> filteredOut_;  // by the program's overlap filter, asked when a body is covered
   std::set<Pair> excluded_;     // as the core knows it now
   std::vector<std::pair<btPersistentManifold*, int>> silenced_;
+  MassFrames massFrames_;
+  ContactListener contactListener_;
+  std::vector<BodyContact> contacts_;  // told to the listener
+  double lastTick_ = 0.0;              // s
+  std::unique_ptr<GrainQueries> queries_;
   bool wakeAll_ = false;  // something that may have held a body up has gone
 };
 

@@ -46,18 +46,6 @@ TriangleMesh withFloor(const ShapePart& ground, double depth) {
   return solid;
 }
 
-template <class Keep>
-void keepOnly(Covering& covering, const Keep& keep) {
-  Covering kept;
-  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
-    if (!keep(covering.positions[i])) continue;
-    kept.positions.push_back(covering.positions[i]);
-    kept.radii.push_back(covering.radii[i]);
-    if (!covering.areas.empty()) kept.areas.push_back(covering.areas[i]);
-  }
-  covering = std::move(kept);
-}
-
 /// The floor is so deep that its particles, and those low on the walls, are told by their distance from the
 /// ground.
 Covering coverGround(const ShapePart& ground, const CoverDef& def, CoverReport& report) {
@@ -65,7 +53,8 @@ Covering coverGround(const ShapePart& ground, const CoverDef& def, CoverReport& 
   Covering covering =
       granular::coverMesh(withFloor(ground, 6.0 * def.particleRadius + 2.0 * reach), def, &report);
   const MeshDistance distance(ground.mesh);
-  keepOnly(covering, [&](const Vector3& p) { return distance.nearestWithin(p, reach).has_value(); });
+  granular::keepOnly(covering,
+                     [&](const Vector3& p, double) { return distance.nearestWithin(p, reach).has_value(); });
   return covering;
 }
 
@@ -85,7 +74,7 @@ Covering coverParts(const std::vector<ShapePart>& parts, const CoverDef& def,
     CoverReport report;
     Covering covering = parts[i].kind == PartKind::Ground ? coverGround(parts[i], def, report)
                                                           : granular::coverMesh(parts[i].mesh, def, &report);
-    keepOnly(covering, [&](const Vector3& p) {
+    granular::keepOnly(covering, [&](const Vector3& p, double) {
       return std::none_of(solids.begin(), solids.end(), [&](const auto& solid) {
         return solid.first != i && solid.second.nearest(p).signedDistance < deepest;
       });

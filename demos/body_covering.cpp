@@ -45,24 +45,12 @@ TriangleMesh slabUnder(const PlanePatchShape& patch, double thickness) {
   return slab;
 }
 
-template <class Keep>
-void keepOnly(Covering& covering, const Keep& keep) {
-  Covering kept;
-  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
-    if (!keep(covering.positions[i], covering.radii[i])) continue;
-    kept.positions.push_back(covering.positions[i]);
-    kept.radii.push_back(covering.radii[i]);
-    if (!covering.areas.empty()) kept.areas.push_back(covering.areas[i]);
-  }
-  covering = std::move(kept);
-}
-
 Covering coverPatch(const PlanePatchShape& patch, const CoverDef& def, BodyCovering& result) {
   const double depth = -def.offset.value_or(-def.particleRadius);
   CoverReport report;
   Covering covering = granular::coverMesh(
       slabUnder(patch, 6.0 * def.particleRadius + 2.0 * std::max(0.0, depth)), def, &report);
-  keepOnly(covering, [&](const Vector3& p, double r) { return p.y() > -depth - 0.5 * r; });
+  granular::keepOnly(covering, [&](const Vector3& p, double r) { return p.y() > -depth - 0.5 * r; });
   report.particleCount = static_cast<std::int64_t>(covering.positions.size());
   result.reports.push_back(report);
   return covering;
@@ -77,7 +65,7 @@ Covering coverParts(const BodySolid& solid, const CoverDef& def, BodyCovering& r
   for (std::size_t i = 0; i < solid.parts.size(); ++i) {
     CoverReport report;
     Covering covering = granular::coverMesh(solid.parts[i], def, &report);
-    keepOnly(covering, [&](const Vector3& p, double) {
+    granular::keepOnly(covering, [&](const Vector3& p, double) {
       for (std::size_t j = 0; j < distances.size(); ++j) {
         if (j != i && distances[j].nearest(p).signedDistance < deepest) return false;
       }
@@ -127,7 +115,7 @@ Covering roughenPatch(const PlanePatchShape& patch, const BodySolid& solid, cons
   };
   Covering covering = scatter(solid.parts.front(), plane, def, threads, result);
   // Floaters at the border have neighbours on one side only and are pushed out: those beyond it go.
-  keepOnly(covering, [&](const Vector3& p, double) {
+  granular::keepOnly(covering, [&](const Vector3& p, double) {
     return std::abs(p.x()) < 0.5 * patch.sizeX && std::abs(p.z()) < 0.5 * patch.sizeZ;
   });
   result.reports.back().particleCount = static_cast<std::int64_t>(covering.positions.size());

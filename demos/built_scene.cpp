@@ -10,6 +10,7 @@
 #include "demos/json_object.h"
 #include "demos/motion_script.h"
 #include "granular/base/random.h"
+#include "granular/geometry/mesh_distance.h"
 
 namespace granular_demo {
 namespace {
@@ -160,6 +161,8 @@ void BuiltScene::addBody(const BodyPart& part, double smallestGrainRadius, int t
   cover.material = added.material;
   if (part.contact == BodyContact::exact) {
     cover.contact = bullet_bridge::SurfaceContact::Exact;
+    // Bullet's shape of a moving mesh is its hull.
+    if (std::holds_alternative<MeshShape>(part.shape)) cover.surface = added.solid.parts.front();
     world_->coverBody(*added.body, cover);
     return;
   }
@@ -195,7 +198,7 @@ void BuiltScene::addFill(const FillPart& part, std::size_t index) {
   const auto shape = std::find_if(def_.shapes.begin(), def_.shapes.end(),
                                   [&](const auto& s) { return s.name == part.shape; });
   for (const granular::PlacedGrain& grain :
-       granular::fillRegion(clearOfHalfSpaces(part.region), *shape, fill)) {
+       granular::fillRegion(clearOfExactBodies(part.region), *shape, fill)) {
     def.pose = grain.pose;
     def.scale = grain.scale;
     grains().addGrain(def);
@@ -203,11 +206,25 @@ void BuiltScene::addFill(const FillPart& part, std::size_t index) {
   }
 }
 
-/// The region less what is solid: a fill knows of no obstacles but particles.
-granular::FillRegion BuiltScene::clearOfHalfSpaces(granular::FillRegion region) const {
+/// The region less what is met exactly: a fill knows of no obstacles but particles.
+granular::FillRegion BuiltScene::clearOfExactBodies(granular::FillRegion region) const {
   for (const BuiltBody& body : bodies_) {
+    if (body.part->contact != BodyContact::exact) continue;
     const auto* space = std::get_if<HalfSpaceShape>(&body.part->shape);
-    if (!space || !body.part->meetsGrains()) continue;
+    if (const auto* sphere = std::get_if<SphereShape>(&body.part->shape)) {
+      region.depth = [depth = std::move(region.depth), center = body.pose().position,
+                      radius = sphere->radius](const Vector3& p) {
+        return std::min(depth(p), (p - center).norm() - radius);
+      };
+      continue;
+    }
+    if (!space) {
+      const auto distance = std::make_shared<granular::MeshDistance>(body.solid.parts.front());
+      region.depth = [depth = std::move(region.depth), pose = body.pose(), distance](const Vector3& p) {
+        return std::min(depth(p), distance->nearest(pose.toOwn(p)).signedDistance);
+      };
+      continue;
+    }
     region.depth = [depth = std::move(region.depth), pose = body.pose(), space](const Vector3& p) {
       return std::min(depth(p), space->normal.dot(pose.toOwn(p)) - space->height);
     };
@@ -215,7 +232,7 @@ granular::FillRegion BuiltScene::clearOfHalfSpaces(granular::FillRegion region) 
   return region;
 }
 
-/// What a fill must keep clear of: particles and exact spheres of bodies, and grains placed before.
+/// What a fill must keep clear of: particles of bodies, and grains placed before.
 std::vector<granular::ShapeParticle> BuiltScene::particlesNear(const Box& box) const {
   std::vector<granular::ParticleView> all;
   grains().readParticles(all);
@@ -223,11 +240,6 @@ std::vector<granular::ShapeParticle> BuiltScene::particlesNear(const Box& box) c
   for (const granular::ParticleView& p : all) {
     const Vector3 nearest = p.position.cwiseMax(box.lower).cwiseMin(box.upper);
     if ((nearest - p.position).norm() <= 2.0 * p.radius) near.push_back({p.position, p.radius});
-  }
-  for (const BuiltBody& body : bodies_) {
-    const auto* sphere = std::get_if<SphereShape>(&body.part->shape);
-    if (sphere && body.part->contact == BodyContact::exact)
-      near.push_back({body.pose().position, sphere->radius});
   }
   return near;
 }

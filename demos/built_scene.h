@@ -69,7 +69,7 @@ class BuiltScene {
   void addFill(const FillPart& part, std::size_t index);
   void addGrain(const GrainPart& part);
   std::vector<granular::ShapeParticle> particlesNear(const Box& box) const;
-  granular::FillRegion clearOfHalfSpaces(granular::FillRegion region) const;
+  granular::FillRegion clearOfExactBodies(granular::FillRegion region) const;
   double smallestGrainRadius() const;
   void moveScriptedBodies(double time);
 

@@ -23,16 +23,16 @@ struct Span {
   double length() const { return std::max(0.0, high - low); }
 };
 
-/// Of all particles and exact spheres.
+/// Of all particles and exact bodies.
 Span spanOf(const BuiltScene& scene, const Vector3& up) {
   Span span;
   std::vector<granular::ParticleView> particles;
   scene.grains().readParticles(particles);
   for (const granular::ParticleView& p : particles) span.add(up.dot(p.position), p.radius);
   for (const BuiltBody& body : scene.bodies()) {
-    const auto* sphere = std::get_if<SphereShape>(&body.part->shape);
-    if (sphere && body.part->contact == BodyContact::exact)
-      span.add(up.dot(body.pose().position), sphere->radius);
+    if (body.part->contact != BodyContact::exact || std::holds_alternative<HalfSpaceShape>(body.part->shape))
+      continue;
+    for (const Vector3& v : body.solid.parts.front().vertices) span.add(up.dot(body.pose().toWorld(v)), 0.0);
   }
   return span;
 }

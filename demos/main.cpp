@@ -2,6 +2,7 @@
 // granular_demo: lists scenes, runs them, covers meshes.
 //   granular_demo list
 //   granular_demo run splash --scale small --out out/splash
+//   granular_demo export splash --lammps out/splash_lammps
 //   granular_demo cover meshes/camel.obj --out out/camel
 // Exit status: kExitStatus below.
 #include <CLI/CLI.hpp>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include "demos/cover_command.h"
+#include "demos/export_command.h"
 #include "demos/json_object.h"
 #include "demos/progress_line.h"
 #include "demos/run_report.h"
@@ -188,9 +190,11 @@ int main(int argc, char** argv) {
   CLI::App* runCommand =
       app.add_subcommand("run", "Runs a scene and writes pictures, tables and a report")->footer(kExitStatus);
   addRunOptions(*runCommand, arguments);
+  ExportArguments exportArguments;
+  addExportCommand(app, exportArguments);
   CoverArguments cover;
-  CLI::App* coverCommand = app.add_subcommand(
-      "cover", "Covers a mesh file with particles: pictures, particles as PLY, report");
+  CLI::App* coverCommand =
+      app.add_subcommand("cover", "Covers a mesh file with particles: pictures, particles as PLY, report");
   addCoverOptions(*coverCommand, cover);
   try {
     app.parse(argc, argv);
@@ -198,6 +202,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
   try {
+    if (app.got_subcommand("export")) return runExport(exportArguments);
     if (app.got_subcommand(coverCommand)) {
       runCoverCommand(cover);
       return 0;

@@ -172,11 +172,12 @@ bool isOpen(const BodyShapeDef& shape) {
 
 void readContact(JsonObject& object, BodyPart& part) {
   const bool isEndless = std::holds_alternative<HalfSpaceShape>(part.shape);
-  const bool canBeExact = isEndless || std::holds_alternative<SphereShape>(part.shape);
+  const bool canBeExact = !std::holds_alternative<PlanePatchShape>(part.shape) &&
+                          !std::holds_alternative<CompoundShape>(part.shape);
   part.contact = static_cast<BodyContact>(object.choice("contact", {"particles", "exact"}, 0));
   if (object.has("covering")) part.covering = readCovering(object.object("covering"));
   if (part.contact == BodyContact::exact && !canBeExact)
-    object.at("contact").fail("\"particles\" for any shape but a sphere and a halfSpace");
+    object.at("contact").fail("\"particles\" for a planePatch or a compound");
   if (part.contact == BodyContact::exact && part.covering)
     object.at("covering").fail("none, since \"contact\" is \"exact\"");
   if (part.covering && isEndless) object.at("covering").fail("none for a halfSpace: \"contact\": \"exact\"");

@@ -137,7 +137,7 @@ struct CoveringPart {
 /// What of a body meets grains.
 enum class BodyContact {
   particles,  ///< its covering; none: nothing
-  exact,      ///< its surface as it is: spheres and half-spaces
+  exact,      ///< its surface as it is; of a mesh or cone, its sampled distance
 };
 
 /// How a body looks.

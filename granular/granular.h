@@ -7,4 +7,5 @@
 #include "granular/dynamics/integrator.h"
 #include "granular/geometry/covering.h"
 #include "granular/geometry/exact_surface.h"
+#include "granular/geometry/mesh_field.h"
 #include "granular/system/granular_system.h"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Spheres and planes met as they are, without particles: where their surfaces lie, and who handles which
+// Shapes met as they are, without particles: where their surfaces lie, and who handles which
 // pair.
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include "bridge_fixture.h"
@@ -254,14 +255,100 @@ TEST(ExactSphere, KeepsItsSurfaceWhenItsMassChangesToNone) {
 
 // ---- refusals, and what the world hands over
 
-TEST(ExactContact, OfAnotherShapeIsRefusedByNameWithWhatCanBeHad) {
+TEST(ExactContact, OfAShapeWithoutAnInsideIsRefusedByNameWithWhatCanBeHad) {
   SandScene scene;
-  btRigidBody& box = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
-  EXPECT_EQ(refusalOf(scene, box, exact()),
-            "CoverBodyDef.contact is Exact for a collision shape Box; exact contact is for btSphereShape and "
-            "btStaticPlaneShape: give SurfaceContact::Particles");
-  EXPECT_FALSE(scene.world->isCovered(box));
+  btTriangleMesh triangle;
+  triangle.addTriangle(vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0));
+  btRigidBody& sheet = scene.body(0, scene.shape<btBvhTriangleMeshShape>(&triangle, true), at(0, 0, 0));
+  EXPECT_EQ(
+      refusalOf(scene, sheet, exact()),
+      "CoverBodyDef.contact is Exact for a collision shape BVHTRIANGLEMESH without an inside; exact contact "
+      "is for planes and for shapes of one closed part: give SurfaceContact::Particles");
+  EXPECT_FALSE(scene.world->isCovered(sheet));
+  btRigidBody& box = scene.body(0, scene.box(1, 1, 1), at(0, 0, 0));
+  CoverBodyDef def = exact();
+  def.exactSpacing = -1.0;
+  EXPECT_THROW(scene.world->coverBody(box, def), std::invalid_argument);
 }
+
+/// Where a ball touches each shape, by what Bullet's shape means.
+struct ShapeCase {
+  const char* name;
+  std::function<btCollisionShape&(SandScene&)> make;
+  Vector3 point, normal;  // of the surface, in the shape's frame
+};
+
+class ExactShapes : public testing::TestWithParam<ShapeCase> {};
+
+TEST_P(ExactShapes, AreTouchedWhereBulletsShapeIs) {
+  const ShapeCase& c = GetParam();
+  for (const double mass : {0.0, 2.0}) {
+    SandScene scene;
+    scene.world->setGravity(vec(0, 0, 0));
+    btTransform pose = at(1, 2, 3);
+    pose.setRotation(btQuaternion(vec(1, 2, 3).normalized(), scalar(0.8)));
+    btRigidBody& body = scene.body(mass, c.make(scene), pose);
+    CoverBodyDef def = exact();
+    def.exactSpacing = 0.02;
+    scene.world->coverBody(body, def);
+    granular::GranularSystem& sand = scene.world->grains();
+    const double radius = 0.05, depth = 0.002;
+    addBall(sand, fromBullet(pose).toWorld(c.point + (radius - depth) * c.normal), radius,
+            sand.addMaterial({}));
+    std::vector<granular::ContactView> contacts;
+    sand.readContacts(contacts);
+    ASSERT_EQ(contacts.size(), 1u) << c.name;
+    EXPECT_NEAR(contacts[0].overlap, depth, 10.0 * kBulletRounding) << c.name;
+    const Vector3 force = contacts[0].ownerKind[0] == granular::OwnerKind::Grain
+                              ? contacts[0].force
+                              : Vector3(-contacts[0].force);
+    EXPECT_LT((force.normalized() - fromBullet(pose).orientation * c.normal).norm(), 1e-4) << c.name;
+  }
+}
+
+btCollisionShape& tetrahedronHull(SandScene& scene) {
+  auto& hull = scene.shape<btConvexHullShape>();
+  for (const btVector3& corner : {vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1), vec(0, 0, 0)})
+    hull.addPoint(corner);
+  return hull;
+}
+
+const Vector3 kDiagonal = Vector3::Ones().normalized();
+
+INSTANTIATE_TEST_SUITE_P(
+    Bullet, ExactShapes,
+    testing::Values(ShapeCase{"box face",
+                              [](SandScene& s) -> btCollisionShape& { return s.box(0.2, 0.3, 0.4); },
+                              {0.1, 0.3, 0.2},
+                              Vector3::UnitY()},
+                    ShapeCase{"box corner",
+                              [](SandScene& s) -> btCollisionShape& { return s.box(0.2, 0.3, 0.4); },
+                              {0.2, 0.3, 0.4},
+                              kDiagonal},
+                    ShapeCase{"capsule along x",
+                              [](SandScene& s) -> btCollisionShape& {
+                                return s.shape<btCapsuleShapeX>(scalar(0.2), scalar(0.6));
+                              },
+                              {0.5, 0, 0},
+                              Vector3::UnitX()},
+                    ShapeCase{"capsule along z, side",
+                              [](SandScene& s) -> btCollisionShape& {
+                                return s.shape<btCapsuleShapeZ>(scalar(0.2), scalar(0.6));
+                              },
+                              {0, 0.2, 0.25},
+                              Vector3::UnitY()},
+                    ShapeCase{"cylinder along z, end",
+                              [](SandScene& s) -> btCollisionShape& {
+                                return s.shape<btCylinderShapeZ>(vec(0.2, 0.2, 0.5));
+                              },
+                              {0.1, 0.1, 0.5},
+                              Vector3::UnitZ()},
+                    ShapeCase{"hull, slope", tetrahedronHull, Vector3::Constant(1.0 / 3.0), kDiagonal}),
+    [](const auto& test) {
+      std::string name = test.param.name;
+      std::erase_if(name, [](char letter) { return letter == ' ' || letter == ','; });
+      return name;
+    });
 
 TEST(ExactContact, RefusesSettingsOfParticles) {
   SandScene scene;
@@ -272,30 +359,15 @@ TEST(ExactContact, RefusesSettingsOfParticles) {
             "CoverBodyDef.particleRadius is given; it must be left out where CoverBodyDef.contact is Exact");
 }
 
-TEST(SetGravity, ReachesTheGrainsBeforeTheFirstTick) {
-  SandScene scene;
-  granular::GranularSystem& sand = scene.world->grains();
-  const granular::GrainId grain = addBall(sand, {0, 2, 0}, 0.05, sand.addMaterial({}));
-  scene.world->setGravity(vec(0, -4, 0));
-  EXPECT_DOUBLE_EQ(sand.measure().energy.potential, 2.0 * 4.0 * sand.massOf(grain));
-}
-
-TEST(SetGravity, RefusesWhatIsNotFinite) {
-  SandScene scene;
-  const btVector3 before = scene.world->getGravity();
-  EXPECT_THROW(scene.world->setGravity(vec(0, std::nan(""), 0)), std::invalid_argument);
-  EXPECT_EQ(fromBullet(scene.world->getGravity()), fromBullet(before));
-}
-
 TEST(CoverBody, PassesOnWhatSurfaceEachParticleStandsFor) {
   SandScene scene;
   btRigidBody& box = scene.body(1, scene.box(0.1, 0.1, 0.1), at(0, 0, 0));
   const granular::BodyId id = scene.world->coverBody(box, {.particleRadius = 0.02});
   const granular::Covering& covering = scene.world->grains().covering(id);
-  ASSERT_EQ(covering.areas.size(), covering.positions.size());
+  ASSERT_FALSE(covering.pieces.empty());
   // Both sides of a cube of 0.2 m show 2 x 0.04 m^2 along each axis.
   double shown = 0.0;
-  for (const granular::Matrix3& area : covering.areas) shown += area(0, 0);
+  for (const granular::SurfacePiece& piece : covering.pieces) shown += std::abs(piece.areaVector().x());
   EXPECT_NEAR(shown, 0.08, 1e-3);
 }
 

@@ -30,7 +30,7 @@ inline btTransform at(double x, double y, double z) {
   return btTransform(btQuaternion::getIdentity(), vec(x, y, z));
 }
 
-/// Bullet's parts in the order it wants them, and a world of either kind.
+/// Bullet's parts in the order it wants them, and a world of any kind.
 template <class World>
 struct Scene {
   btDefaultCollisionConfiguration configuration;
@@ -73,7 +73,52 @@ struct Scene {
   }
 };
 
+#ifdef BRIDGE_TEST_ATTACHED
+/// Bullet's own world that a GranularLayer has joined, with the layer's calls at hand: the tests of the
+/// coupling run through either door.
+class AttachedWorld : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+  template <class... Arguments>
+  granular::BodyId coverBody(btRigidBody& body, Arguments&&... arguments) {
+    return sand_.coverBody(body, std::forward<Arguments>(arguments)...);
+  }
+  granular::BodyId coverBody(btRigidBody& body, const bullet_bridge::CoverBodyDef& def) {
+    return sand_.coverBody(body, def);
+  }
+  std::vector<granular::GrainId> addPile(const bullet_bridge::PileDef& def) { return sand_.addPile(def); }
+  void uncoverBody(btRigidBody& body) { sand_.uncoverBody(body); }
+  bool isCovered(const btRigidBody& body) const { return sand_.isCovered(body); }
+  granular::BodyId bodyIdOf(const btRigidBody& body) const { return sand_.bodyIdOf(body); }
+  granular::Pose massFrameOf(const btRigidBody& body) const { return sand_.massFrameOf(body); }
+  void setPairOwner(const btRigidBody& a, const btRigidBody& b, bullet_bridge::PairOwner owner) {
+    sand_.setPairOwner(a, b, owner);
+  }
+  void readContacts(std::vector<bullet_bridge::BodyContact>& contacts) { sand_.readContacts(contacts); }
+  void setContactListener(bullet_bridge::ContactListener listener) {
+    sand_.setContactListener(std::move(listener));
+  }
+  granular::Wrench contactForce(const btRigidBody& body) { return sand_.contactForce(body); }
+  std::optional<bullet_bridge::GrainHit> castRay(const Vector3& from, const Vector3& to) const {
+    return sand_.castRay(from, to);
+  }
+  void readGrainPoses(std::vector<granular::Pose>& poses) const { sand_.readGrainPoses(poses); }
+  void showGrainsToQueries() { sand_.showGrainsToQueries(); }
+  void hideGrainsFromQueries() { sand_.hideGrainsFromQueries(); }
+  std::optional<granular::GrainId> grainOf(const btCollisionObject* object, int childIndex) const {
+    return sand_.grainOf(object, childIndex);
+  }
+  granular::GranularSystem& grains() { return sand_.grains(); }
+  const granular::StepReport& lastStep() const { return sand_.lastStep(); }
+
+ private:
+  bullet_bridge::GranularLayer sand_{*this};
+};
+using SandScene = Scene<AttachedWorld>;
+#else
 using SandScene = Scene<bullet_bridge::GranularDynamicsWorld>;
+#endif
 using BulletScene = Scene<btDiscreteDynamicsWorld>;
 
 /// One particle at the body's centre: contact at a single point, with a known answer.

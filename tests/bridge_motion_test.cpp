@@ -3,6 +3,7 @@
 // Free flight is integrated by RKF45, exact for constant forces up to rounding; what Bullet shows of it is
 // rounded to its own precision.
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "bridge_fixture.h"
@@ -258,6 +259,34 @@ TEST(CoveredBody, MovesAlikeInFourSubStepsAndFourSteps) {
     return positions;
   };
   EXPECT_EQ(drop(true), drop(false));
+}
+
+TEST(BadInput, WhileRunningNeverThrowsNorLeavesTheCoreNotFinite) {
+  const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+  const btVector3 nans(nan, nan, nan);
+  const std::vector<std::function<void(SandScene&, btRigidBody&)>> deeds{
+      [&](SandScene&, btRigidBody& body) { body.applyCentralForce(nans); },
+      [&](SandScene&, btRigidBody& body) { body.applyTorque(nans); },
+      [&](SandScene&, btRigidBody& body) { body.setLinearVelocity(nans); },
+      [&](SandScene&, btRigidBody& body) { body.getWorldTransform().setOrigin(nans); },
+      [&](SandScene&, btRigidBody& body) { body.setGravity(nans); },
+      [&](SandScene&, btRigidBody& body) { body.setLinearFactor(nans); },
+      [&](SandScene&, btRigidBody& body) { body.setMassProps(nan, nans); },
+      [&](SandScene&, btRigidBody& body) { body.setFriction(nan); },
+      [&](SandScene&, btRigidBody& body) { body.setRestitution(nan); },
+  };
+  for (std::size_t i = 0; i < deeds.size(); ++i) {
+    SCOPED_TRACE(i);
+    SandScene scene;
+    btRigidBody& body = scene.body(1, scene.sphere(0.1), at(0, 0, 0));
+    scene.world->coverBody(body, oneParticle(0.1));
+    scene.world->stepSimulation(scalar(1.0 / 60.0));
+    deeds[i](scene, body);
+    EXPECT_NO_THROW(scene.world->stepSimulation(scalar(1.0 / 60.0)));
+    EXPECT_NO_THROW(scene.world->stepSimulation(scalar(1.0 / 60.0)));
+    const granular::RigidMotion motion = scene.world->grains().bodyMotion(scene.world->bodyIdOf(body));
+    EXPECT_TRUE(motion.pose.position.allFinite() && motion.velocity.allFinite());
+  }
 }
 
 }  // namespace

@@ -52,6 +52,17 @@ TEST(ShapeSurface, FollowsLocalScaling) {
   EXPECT_TRUE(extentOf(box).size().isApprox(Vector3(2.0, 0.5, 1.0), 10 * kBulletRounding));
 }
 
+TEST(ShapeSurface, TakesANegativeScaleAsAMirrorImage) {
+  btBoxShape box(vec(0.5, 0.25, 1.0));
+  box.setLocalScaling(vec(-2, 1, 1));
+  expectSolid(box, 2.0, 0.0);
+  btConvexHullShape hull;
+  for (const btVector3& p : {vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1)}) hull.addPoint(p);
+  hull.setLocalScaling(vec(-1, 1, 1));
+  expectSolid(hull, 1.0 / 6.0, 0.0);
+  EXPECT_NEAR(extentOf(hull).lower.x(), -1.0, 1e-6);
+}
+
 TEST(ShapeSurface, OfASphereIsClosedWithItsVolume) {
   expectSolid(btSphereShape(scalar(0.5)), 4.0 / 3.0 * kPi * 0.125, 0.005);
 }

@@ -264,6 +264,23 @@ TEST(AddPile, RefusesARadiusThatIsNotPositive) {
             std::string::npos);
 }
 
+TEST(SetGravity, ReachesTheGrainsBeforeTheFirstTick) {
+  SandScene scene;
+  granular::GranularSystem& sand = scene.world->grains();
+  const granular::GrainId grain = sand.addGrain({.shape = sand.addGrainShape(granular::sphereShape(0.05)),
+                                                 .material = sand.addMaterial({}),
+                                                 .pose = {.position = {0, 2, 0}}});
+  scene.world->setGravity(vec(0, -4, 0));
+  EXPECT_DOUBLE_EQ(sand.measure().energy.potential, 2.0 * 4.0 * sand.massOf(grain));
+}
+
+TEST(SetGravity, RefusesWhatIsNotFinite) {
+  SandScene scene;
+  const btVector3 before = scene.world->getGravity();
+  EXPECT_THROW(scene.world->setGravity(vec(0, std::nan(""), 0)), std::invalid_argument);
+  EXPECT_EQ(fromBullet(scene.world->getGravity()), fromBullet(before));
+}
+
 TEST(LastStep, AddsUpTheTicksOfOneCall) {
   SandScene scene;
   scene.world->addPile({.region = {{0, 0, 0}, {0.1, 0.1, 0.1}}, .particleRadius = 0.01});

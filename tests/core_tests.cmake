@@ -1,11 +1,14 @@
 list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/advice_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/body_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/candidate_list_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/exact_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/free_rotation_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/grain_shape_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/granular_system_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/io_lammps_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/pressed_patch_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp

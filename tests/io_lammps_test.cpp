@@ -211,6 +211,19 @@ TEST(LammpsWriter, SaysThatLocksAndLoadsAreLeftOut) {
   EXPECT_TRUE(mentions(report, "outside forces and torques"));
 }
 
+TEST(LammpsWriter, SaysThatFiltersAreLeftOutWhereTheyMatter) {
+  SmallScene scene;
+  EXPECT_FALSE(mentions(writeLammps(scene.system, folderOf("filters")), "contact filters"));
+  // Held things need not meet one another anyway.
+  const ContactFilter held{.group = 2u, .mask = ~2u};
+  for (int i = 0; i < 2; ++i) {
+    scene.system.addBody({.exact = HalfSpace{}, .material = scene.stone, .filter = held});
+  }
+  EXPECT_FALSE(mentions(writeLammps(scene.system, folderOf("filters")), "contact filters"));
+  scene.system.addBody({.exact = HalfSpace{}, .material = scene.stone, .filter = {.mask = 2u}});
+  EXPECT_TRUE(mentions(writeLammps(scene.system, folderOf("filters")), "contact filters"));
+}
+
 TEST(LammpsWriter, OldStyleIsRefusedForLawsItDoesNotHave) {
   const GranularSystem system = mixture(NormalLaw::HertzTsuji, 2);
   EXPECT_THROW(writeLammps(system, folderOf("old"), {.style = LammpsStyle::HertzHistory}),

@@ -53,7 +53,12 @@ LammpsRun runLammps(const std::filesystem::path& program, const std::filesystem:
     throw std::runtime_error(folderName + "/in.granular: LAMMPS did not come to its end");
   }
   LammpsRun run;
-  std::istringstream(loop.substr(std::string("Loop time of ").size())) >> run.loopSeconds;
+  const auto numberAfter = [](const std::string& line, const std::string& start, auto& number) {
+    if (line.size() > start.size()) std::istringstream(line.substr(start.size())) >> number;
+  };
+  numberAfter(loop, "Loop time of ", run.loopSeconds);
+  const std::string builds = "Neighbor list builds = ";
+  numberAfter(logLine(folder, builds), builds, run.listBuilds);
   run.peakBytes = std::int64_t{1024} * usage.ru_maxrss;
   return run;
 }

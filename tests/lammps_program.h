@@ -12,8 +12,9 @@
 namespace granular_test {
 
 struct LammpsRun {
-  double loopSeconds = 0.0;    ///< wall time of the steps, as its log has it; without set-up
-  std::int64_t peakBytes = 0;  ///< largest resident memory of the process
+  double loopSeconds = 0.0;     ///< wall time of the steps, as its log has it; without set-up
+  std::int64_t listBuilds = 0;  ///< of its neighbour lists, in these steps
+  std::int64_t peakBytes = 0;   ///< largest resident memory of the process
 };
 
 /// Runs `program` on in.granular in `folder`, on one core. Throws std::runtime_error with LAMMPS's own

@@ -212,9 +212,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/bodies/ball/contact", "soft",
                 "bodies.ball.contact: value \"soft\"; allowed: one of particles, exact"},
         Mistake{
-            "/bodies/plate/contact", "exact",
-            "bodies.plate.contact: value \"exact\"; allowed: \"particles\" for any shape but a sphere and a "
-            "halfSpace"},
+            "/bodies/plate",
+            {{"shape", {{"type", "planePatch"}, {"sizeX", 1}, {"sizeZ", 1}}},
+             {"material", "steel"},
+             {"contact", "exact"}},
+            "bodies.plate.contact: value \"exact\"; allowed: \"particles\" for a planePatch or a compound"},
         Mistake{"/bodies/ball/contact", "exact",
                 "bodies.ball.covering: value {\"particleRadius\":0.01}; allowed: none, since \"contact\" is "
                 "\"exact\""},

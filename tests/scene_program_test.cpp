@@ -123,6 +123,27 @@ TEST(Program, EndsWithStatusThreeAndOneLineWhenACheckFails) {
   EXPECT_EQ(report["checks"]["passed"], false);
 }
 
+TEST(Program, ExportsASceneForLammpsAndTellsWhatItLeftOut) {
+  const auto folder = scratchFolder("export");
+  std::ofstream(folder / "two.json") << R"({
+    "name": "two", "duration": 0.1, "materials": {"sand": {}},
+    "shapes": {"ball": {"type": "sphere", "particleRadius": 0.01}},
+    "bodies": {"alone": {"shape": {"type": "sphere", "radius": 0.1}, "motion": "dynamic", "density": 1000,
+                         "material": "sand", "position": [5, 0, 0]}},
+    "grains": {"left": {"shape": "ball", "material": "sand", "position": [0, 1, 0]},
+               "right": {"shape": "ball", "material": "sand", "position": [1, 1, 0]}}})";
+  const auto lammps = folder / "lammps";
+  const Program program(
+      folder, {"export", (folder / "two.json").string(), "--lammps", lammps.string(), "--time-step", "1e-5"});
+  EXPECT_EQ(program.wait(), 0) << program.errors();
+  EXPECT_NE(program.output().find("2 particles (0 held), 0 rigid bodies"), std::string::npos);
+  EXPECT_NE(textOf(lammps / "particles.data").find("\n2 atoms\n"), std::string::npos);
+  // 0.1 s at 30 frames a second: three frames of 3333 steps.
+  EXPECT_NE(textOf(lammps / "in.granular").find("\nrun 9999\n"), std::string::npos);
+  EXPECT_NE(textOf(lammps / "README.md").find("1 body that Bullet alone moves is left out"),
+            std::string::npos);
+}
+
 TEST(Program, TellsItsExitStatusesInTheHelp) {
   const Program program(scratchFolder("help"), {"run", "--help"});
   EXPECT_EQ(program.wait(), 0);

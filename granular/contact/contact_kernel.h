@@ -21,8 +21,10 @@ struct ContactGeometry {
       Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
   bool slides = false;  ///< when the last sub-step was accepted; laws with memory only
   bool isNew = false;   ///< begun within the present trial; laws with memory only
-  double memoryStep = 0.0;  ///< by how much D moves on, at the rate found here, before it pulls, s
-  double share = 1.0;   ///< area, m^2, that laws by area are multiplied with
+  double memoryStep = 0.0;   ///< by how much D moves on, at the rate found here, before it pulls, s
+  double share = 1.0;        ///< times the law: area, m^2, for laws by area; else 1, or the slope of a distance
+  double shareGrowth = 0.0;  ///< how fast that grows with the overlap, of itself, 1/m
+  double meanSquareOverlap = 0.0;  ///< over the area, m^2; laws by area only
 };
 
 /// Memory of a contact (eq. 19) before and after the law has seen it.
@@ -61,7 +63,7 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
   if constexpr (Shear::kHasMemory) {  // eqs. 17, 19
     const double kn = Normal::tangentStiffness(normal, g.xi);
     const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
-    const double growth = stiffnessPower<Normal>(shear) * xiDot / g.xi;  // kt' / kt
+    const double growth = (stiffnessPower<Normal>(shear) / g.xi + g.shareGrowth) * xiDot;  // kt' / kt
     const double friction = std::max(0.0, fn);
     const auto rateOf = [&](const Vector3& d) -> Vector3 {
       return Vt - std::max(0.0, growth) * d + g.turning.cross(d);

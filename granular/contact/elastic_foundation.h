@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Normal law for contacts of bodies: an elastic foundation (Johnson, Contact Mechanics 1985, sec. 4.3) whose
-// springs stand at the surface particles, each as stiff as the area that its particle stands for, with a
-// dashpot proportional to the spring force (after Hunt & Crossley 1975): F = kr A xi (1 + a xi').
+// Normal law for contacts of bodies: an elastic foundation (Johnson, Contact Mechanics 1985, sec. 4.3), as
+// stiff as the area that its particles stand for (against an exact surface: pressed_patch.h), with a dashpot
+// proportional to the spring force (after Hunt & Crossley 1975): F = kr A xi (1 + a xi').
 //
 // Then m v dv = -k g(x) (1 + a v) dx whatever k and g are, so that the rebound speed follows from the impact
 // speed and a alone: s - ln(1 + s) = -e s - ln(1 - e s) with s = a v. Mass, stiffness, area and the number of

@@ -18,7 +18,8 @@ namespace granular {
 /// of the rates at both ends momenta are kicked with.
 struct KickDriftTable {
   double poseKick, kick, memory, memoryStep, first, second;
-  int errorOrder;  ///< 0: no error estimate
+  int errorOrder;       ///< 0: no error estimate
+  double dampingLimit;  ///< as StepMethod::dampingLimit
 };
 
 inline constexpr KickDriftTable kLeapfrog{.poseKick = 0.5,
@@ -27,7 +28,8 @@ inline constexpr KickDriftTable kLeapfrog{.poseKick = 0.5,
                                           .memoryStep = 0.5,
                                           .first = 0.5,
                                           .second = 0.5,
-                                          .errorOrder = 3};
+                                          .errorOrder = 3,
+                                          .dampingLimit = 1.0};
 // D moves with the velocity of half a step ago, as positions do.
 inline constexpr KickDriftTable kVerlet{.poseKick = 0.5,
                                         .kick = 0.5,
@@ -35,14 +37,16 @@ inline constexpr KickDriftTable kVerlet{.poseKick = 0.5,
                                         .memoryStep = 1.0,
                                         .first = 0.5,
                                         .second = 0.5,
-                                        .errorOrder = 0};
+                                        .errorOrder = 0,
+                                        .dampingLimit = 2.0};
 inline constexpr KickDriftTable kSemiImplicitEuler{.poseKick = 1.0,
                                                    .kick = 1.0,
                                                    .memory = 0.0,
                                                    .memoryStep = 1.0,
                                                    .first = 1.0,
                                                    .second = 0.0,
-                                                   .errorOrder = 0};
+                                                   .errorOrder = 0,
+                                                   .dampingLimit = 2.0};
 
 class KickDrift final : public StepMethod {
  public:
@@ -51,6 +55,7 @@ class KickDrift final : public StepMethod {
   void trial(Equations& equations, const std::vector<double>& y, double t, double h) override;
   bool accept(double h) override;
   int errorOrder() const override { return table_.errorOrder; }
+  double dampingLimit() const override { return table_.dampingLimit; }
 
  private:
   void forget() override { lengthBefore_ = 0.0; }

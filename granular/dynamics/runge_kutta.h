@@ -16,6 +16,7 @@ struct RungeKuttaTable {
   int stages;
   int errorOrder;         ///< the error estimate falls with this power of the step
   bool lastIsFirst;       ///< the last stage is the rate of the answer: the first of the next trial
+  double dampingLimit;    ///< as StepMethod::dampingLimit: where its stability polynomial leaves [-1, 1]
   double c[kMostStages];  ///< when, in steps
   double a[kMostStages][kMostStages - 1];
   double b[kMostStages];      ///< the answer
@@ -27,6 +28,7 @@ inline constexpr RungeKuttaTable kRkf45{
     .stages = 6,
     .errorOrder = 5,
     .lastIsFirst = false,
+    .dampingLimit = 3.0,
     .c = {0.0, 1.0 / 4, 3.0 / 8, 12.0 / 13, 1.0, 1.0 / 2},
     .a = {{},
           {1.0 / 4},
@@ -41,6 +43,7 @@ inline constexpr RungeKuttaTable kBogackiShampine{
     .stages = 4,
     .errorOrder = 3,
     .lastIsFirst = true,
+    .dampingLimit = 2.5,
     .c = {0.0, 1.0 / 2, 3.0 / 4, 1.0},
     .a = {{}, {1.0 / 2}, {0.0, 3.0 / 4}, {2.0 / 9, 1.0 / 3, 4.0 / 9}},
     .b = {2.0 / 9, 1.0 / 3, 4.0 / 9, 0.0},
@@ -53,6 +56,7 @@ class RungeKutta final : public StepMethod {
   void trial(Equations& equations, const std::vector<double>& y, double t, double h) override;
   bool accept(double h) override;
   int errorOrder() const override { return table_.errorOrder; }
+  double dampingLimit() const override { return table_.dampingLimit; }
 
  private:
   /// out = start + h sum_s weights[s] rate_s over the first out.size() numbers; start may be null.

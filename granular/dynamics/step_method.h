@@ -29,6 +29,9 @@ class StepMethod {
   /// The error estimate falls with this power of the step; 0: there is none, and error() is empty.
   virtual int errorOrder() const = 0;
 
+  /// Largest product of a rate of damping and the step that it bears.
+  virtual double dampingLimit() const = 0;
+
   std::vector<double>& firstRate() { return firstRate_; }
   std::vector<double>& result() { return result_; }            ///< state at t + h
   const std::vector<double>& error() const { return error_; }  ///< of its leading numbers, same units

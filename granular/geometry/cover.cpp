@@ -15,6 +15,8 @@
 #include "granular/geometry/detail/feature_lines.h"
 #include "granular/geometry/detail/nearest_batch.h"
 #include "granular/geometry/detail/point_grid.h"
+#include "granular/geometry/detail/surface_pieces.h"
+#include "granular/geometry/detail/surface_samples.h"
 #include "granular/geometry/marching_tetrahedra.h"
 #include "granular/geometry/mesh_distance.h"
 #include "granular/geometry/signed_distance_band.h"
@@ -22,6 +24,8 @@
 
 namespace granular {
 namespace {
+
+using detail::SurfacePoint, detail::sampleSurface;
 
 // Of r, the distance between the samples on which holes are measured: all over the iso-surface, and coarser
 // all over the mesh, where they matter only if the iso-surface misses a part.
@@ -43,9 +47,7 @@ constexpr double kClearSlope = 0.5;   // of the band; 1 on a well resolved surfa
 constexpr double kSettled = 1e-9;     // of r: off the offset surface by no more than this
 constexpr double kNotSettled = 1e-3;  // of r: off by more than this, the surface is not there
 constexpr int kLastFills = 4;         // one is enough where the iso-surface is resolved
-constexpr double kLeastArea =
-    1e-6;                        // of r^2: what a particle stands for where others are nearer to the surface
-constexpr double kAside = 1e-3;  // of r: beside the surface, to see what is on either side
+constexpr double kAside = 1e-3;       // of r: beside the surface, to see what is on either side
 constexpr std::int64_t kItemsAPiece = 512;  // of parallel work
 
 /// CoverDef with every default replaced by its number.
@@ -93,33 +95,6 @@ void requireAffordable(double area, const Settings& s, std::int64_t maxParticles
   throw std::invalid_argument(text.str());
 }
 
-struct SurfacePoint {
-  Vector3 point, normal;
-};
-
-/// One point for every `areaEach` of the surface, triangles in their order; within triangles the points
-/// follow the additive recurrence of Roberts (2018), which spreads them far more evenly than random ones.
-std::vector<SurfacePoint> sampleSurface(const TriangleMesh& mesh, double areaEach) {
-  constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;  // 1/g, 1/g^2, g^3 = g + 1
-  std::vector<SurfacePoint> samples;
-  double waiting = 0.5;  // samples due, at the start of the triangle
-  double u = 0.5, v = 0.5;
-  for (const auto& t : mesh.triangles) {
-    const Vector3 areaVector = doubleAreaVector(mesh, t);
-    const double doubleArea = areaVector.norm();
-    if (!(doubleArea > 0.0)) continue;
-    for (waiting += 0.5 * doubleArea / areaEach; waiting >= 1.0; waiting -= 1.0) {
-      u = std::fmod(u + kFirst, 1.0);
-      v = std::fmod(v + kSecond, 1.0);
-      const double a = u + v > 1.0 ? 1.0 - u : u, b = u + v > 1.0 ? 1.0 - v : v;
-      const Vector3& corner = mesh.vertices[t[0]];
-      samples.push_back({corner + a * (mesh.vertices[t[1]] - corner) + b * (mesh.vertices[t[2]] - corner),
-                         areaVector / doubleArea});
-    }
-  }
-  return samples;
-}
-
 /// A place where a particle's centre may be, and the offset of the surface through it.
 struct Spot {
   Vector3 point;
@@ -161,7 +136,9 @@ class Coverer {
       measureHoles();
     }
     describe(report);
-    Covering covering{positions_, std::vector<double>(positions_.size(), set_.radius), shareSurface()};
+    Covering covering{
+        positions_, std::vector<double>(positions_.size(), set_.radius),
+        detail::shareSurface(mesh_, {positions_, offsets_, set_.radius, kFarthestHole}, executor_)};
     addEdgeParticles(covering, report);
     return covering;
   }
@@ -446,24 +423,6 @@ class Coverer {
     report.spacingMax = spacing.back();
   }
 
-  /// Covering::areas: every piece of the mesh surface goes to the particle whose centre is nearest.
-  std::vector<Matrix3> shareSurface() const {
-    std::vector<Matrix3> areas(positions_.size(), Matrix3::Zero());
-    const double areaEach =
-        surfaceArea(mesh_) / static_cast<double>(std::max<std::size_t>(1, meshSamples_.size()));
-    for (std::size_t i = 0; i < meshSamples_.size(); ++i) {
-      const Vector3& normal = meshSamples_[i].normal;
-      const std::int32_t nearest = nearestToMesh_[i].index;
-      if (nearest >= 0) areas[nearest] += areaEach * normal * normal.transpose();
-    }
-    // A particle that stands where others are nearer to the surface carries none of it: the least that
-    // counts.
-    for (Matrix3& area : areas) {
-      if (area.trace() == 0.0) area = kLeastArea * set_.radius * set_.radius * Matrix3::Identity();
-    }
-    return areas;
-  }
-
   void findNearestToMesh() {
     std::vector<Vector3> points;
     for (const SurfacePoint& s : meshSamples_) points.push_back(s.point);
@@ -488,7 +447,6 @@ class Coverer {
     for (const Vector3& p : points) {
       covering.positions.push_back(p);
       covering.radii.push_back(small);
-      covering.areas.push_back(kLeastArea * small * small * Matrix3::Identity());
     }
     describeEdges(points, small, report);
   }
@@ -556,14 +514,32 @@ Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* r
 
 void append(Covering& covering, const Covering& more) {
   // Where only one side knows what its particles stand for, neither does.
-  const bool bothKnow = (covering.positions.empty() || !covering.areas.empty()) && !more.areas.empty();
-  if (bothKnow) {
-    covering.areas.insert(covering.areas.end(), more.areas.begin(), more.areas.end());
-  } else {
-    covering.areas.clear();
+  const bool bothKnow = (covering.positions.empty() || !covering.pieces.empty()) && !more.pieces.empty();
+  if (!bothKnow) covering.pieces.clear();
+  const auto before = static_cast<std::int32_t>(covering.positions.size());
+  for (SurfacePiece piece : bothKnow ? more.pieces : std::vector<SurfacePiece>{}) {
+    piece.particle += before;
+    covering.pieces.push_back(piece);
   }
   covering.positions.insert(covering.positions.end(), more.positions.begin(), more.positions.end());
   covering.radii.insert(covering.radii.end(), more.radii.begin(), more.radii.end());
+}
+
+void keepOnly(Covering& covering, const std::function<bool(const Vector3&, double)>& keep) {
+  Covering kept;
+  auto piece = covering.pieces.begin();
+  for (std::size_t i = 0; i < covering.positions.size(); ++i) {
+    const bool keeps = keep(covering.positions[i], covering.radii[i]);
+    for (; piece != covering.pieces.end() && piece->particle == static_cast<std::int32_t>(i); ++piece) {
+      if (!keeps) continue;
+      kept.pieces.push_back(*piece);
+      kept.pieces.back().particle = static_cast<std::int32_t>(kept.positions.size());
+    }
+    if (!keeps) continue;
+    kept.positions.push_back(covering.positions[i]);
+    kept.radii.push_back(covering.radii[i]);
+  }
+  covering = std::move(kept);
 }
 
 }  // namespace granular

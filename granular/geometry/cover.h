@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -99,5 +100,8 @@ Covering coverMesh(const TriangleMesh& mesh, const CoverDef& def, CoverReport* r
 /// Adds the particles of `more`, e.g. a second layer of other radius, offset and seed that roughens the
 /// surface.
 void append(Covering& covering, const Covering& more);
+
+/// Leaves only the particles for which keep(position, radius) holds, with their pieces of surface.
+void keepOnly(Covering& covering, const std::function<bool(const Vector3&, double)>& keep);
 
 }  // namespace granular

@@ -68,6 +68,12 @@ Matrix3 principalAxes(const Matrix3& inertia) {
 
 }  // namespace
 
+void findPrincipalFrame(MassProperties& properties) {
+  const Matrix3 axes = principalAxes(properties.inertia);
+  properties.principalMoments = (axes.transpose() * properties.inertia * axes).diagonal();
+  properties.principalFrame = {properties.centerOfMass, Quaternion(axes).normalized()};
+}
+
 MassProperties massProperties(const TriangleMesh& mesh, double density) {
   requirePositive(density, "massProperties density", "kg/m^3");
   const MeshReport report = checkMesh(mesh);
@@ -80,16 +86,13 @@ MassProperties massProperties(const TriangleMesh& mesh, double density) {
   const VolumeIntegrals first = integrate(mesh, boxCenter);
   const Vector3 center = boxCenter + first.x / first.one;
   const VolumeIntegrals about = integrate(mesh, center);
-  const Matrix3 inertia = density * (about.xx.trace() * Matrix3::Identity() - about.xx);
 
   MassProperties result;
   result.volume = about.one;
   result.mass = density * about.one;
   result.centerOfMass = center;
-  result.inertia = inertia;
-  const Matrix3 axes = principalAxes(inertia);
-  result.principalMoments = (axes.transpose() * inertia * axes).diagonal();
-  result.principalFrame = {center, Quaternion(axes).normalized()};
+  result.inertia = density * (about.xx.trace() * Matrix3::Identity() - about.xx);
+  findPrincipalFrame(result);
   return result;
 }
 

@@ -21,6 +21,10 @@ struct MassProperties {
   Pose principalFrame;
 };
 
+/// Fills principalMoments and principalFrame from centerOfMass and inertia, for solids put together from
+/// others.
+void findPrincipalFrame(MassProperties& properties);
+
 /// @param density  kg/m^3, finite and > 0
 /// Throws std::invalid_argument if the density is not, or if the mesh is not the closed surface of a solid.
 MassProperties massProperties(const TriangleMesh& mesh, double density);

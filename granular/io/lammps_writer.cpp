@@ -359,7 +359,15 @@ void noteMovers(const std::vector<LammpsMover>& movers, std::vector<std::string>
   }
 }
 
+double timeStepOf(const LammpsModel& model) {
+  return model.shortestContactTime / kStepsPerContact;
+}
+
 }  // namespace
+
+double lammpsTimeStep(const GranularSystem& system) {
+  return timeStepOf(LammpsModel(system, 1));
+}
 
 LammpsReport writeLammps(const GranularSystem& system, const std::filesystem::path& folder,
                          const LammpsDef& given) {
@@ -375,7 +383,7 @@ LammpsReport writeLammps(const GranularSystem& system, const std::filesystem::pa
   require(count(false) > 0, "GranularSystem", 0, "moving particles", "one with something that moves");
   require(model.typeCount() <= kMostTypes, "GranularSystem", model.typeCount(), "pairs of material and role",
           "one with at most 24");
-  if (def.timeStep == 0.0) def.timeStep = model.shortestContactTime / kStepsPerContact;
+  if (def.timeStep == 0.0) def.timeStep = timeStepOf(model);
   double smallest = model.atoms.front().radius;
   for (const LammpsAtom& atom : model.atoms) smallest = std::min(smallest, atom.radius);
   if (def.skin == 0.0) def.skin = kSkinPerRadius * smallest;

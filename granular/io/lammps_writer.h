@@ -33,7 +33,7 @@ enum class LammpsStyle : std::uint8_t {
 };
 
 struct LammpsDef {
-  double timeStep = 0.0;       ///< s; 0: a fiftieth of the shortest contact time at restitutionSpeed
+  double timeStep = 0.0;       ///< s; 0: lammpsTimeStep()
   std::int64_t steps = 0;      ///< that the script runs, >= 0
   std::int64_t dumpEvery = 0;  ///< steps from one state in particles.dump to the next; 0: no such file
   double skin = 0.0;           ///< of LAMMPS's neighbour lists, m; 0: 0.3 of the smallest radius
@@ -65,5 +65,9 @@ struct LammpsReport {
 /// does not have the system's laws; std::runtime_error if a file cannot be written.
 LammpsReport writeLammps(const GranularSystem& system, const std::filesystem::path& folder,
                          const LammpsDef& def = {});
+
+/// The time step that is chosen where none is given, s: a fiftieth of the shortest contact time at
+/// restitutionSpeed.
+double lammpsTimeStep(const GranularSystem& system);
 
 }  // namespace granular

@@ -88,6 +88,7 @@ void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Pi
       const std::int32_t j = piece.nearSlots[k];
       if (input.rank[j] <= rank || input.owner[j] == owner) continue;
       if (!input.rules->mayMeet(owner, input.owner[j])) continue;
+      if (!input.rules->particlesMeet(owner, input.owner[j])) continue;
       piece.partners.push_back(j);
     }
     std::sort(piece.partners.begin() + begin, piece.partners.end(),
@@ -99,12 +100,16 @@ void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Pi
 }
 
 void CandidateList::searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const {
+  if (input.surfaces.empty()) return;
   const ParticleRow& row = input.particles[slot];
   const auto first = static_cast<std::int32_t>(input.particles.size());
+  const double reach =
+      row.radius + skin_ + (input.overhang.empty() ? 0.0 : input.overhang[input.owner[slot]]);
   for (std::int32_t s = 0; s < static_cast<std::int32_t>(input.surfaces.size()); ++s) {
-    if (input.surfaces[s].distance({row.x, row.y, row.z}) >= row.radius + skin_) continue;
+    if (!input.surfaces[s].mayBeWithin({row.x, row.y, row.z}, reach)) continue;
     const std::int32_t owner = input.owner[slot], other = input.owner[first + s];
-    if (owner != other && input.rules->mayMeet(owner, other)) piece.partners.push_back(first + s);
+    if (owner != other && input.rules->mayMeet(owner, other) && input.rules->surfaceMeets(owner, other))
+      piece.partners.push_back(first + s);
   }
 }
 

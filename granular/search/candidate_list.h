@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "granular/base/parallel.h"
+#include "granular/geometry/exact_surface.h"
 #include "granular/search/spatial_hash.h"
 
 namespace granular {
@@ -21,13 +22,20 @@ static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows t
 
 /// An exact surface where it stands now.
 struct SurfaceRow {
-  Vector3 point = Vector3::Zero();   ///< on the plane, or the centre of the sphere, m, world
-  Vector3 normal = Vector3::Zero();  ///< outward, of a plane, world; zero for a sphere
-  double radius = 0.0;               ///< m; 0 for a plane
+  const ExactSurface* shape = nullptr;
+  double boundingRadius = 0.0;             ///< about `point`, m; infinite for a plane
+  Vector3 point = Vector3::Zero();         ///< origin of its own frame, m, world
+  Matrix3 rotation = Matrix3::Identity();  ///< from its own frame to the world
 
-  /// Distance from the surface to a point outside, m; negative inside.
-  double distance(const Vector3& p) const {
-    return radius > 0.0 ? (p - point).norm() - radius : normal.dot(p - point);
+  SurfaceDistance distance(const Vector3& p) const {
+    SurfaceDistance at = surfaceDistance(*shape, rotation.transpose() * (p - point));
+    at.normal = rotation * at.normal;
+    return at;
+  }
+  bool mayBeWithin(const Vector3& p, double reach) const {
+    const double sphere = boundingRadius + reach;
+    return (p - point).squaredNorm() < sphere * sphere &&
+           granular::mayBeWithin(*shape, rotation.transpose() * (p - point), reach);
   }
 };
 
@@ -35,6 +43,22 @@ struct SurfaceRow {
 struct MeetingRules {
   std::vector<std::uint32_t> group, mask;    ///< by owner; empty: everything meets
   std::vector<std::uint64_t> excludedPairs;  ///< sorted, smaller owner in the high half
+
+  /// How bodies meet where some have a surface for other bodies' particles; empty: none has.
+  struct BodyRule {
+    bool isBody, movesParticles, hasSurface;
+  };
+  std::vector<BodyRule> bodies;  ///< by owner
+
+  /// Whether the particles of a meet the surface of b in place of b's particles.
+  bool onSurface(std::int32_t a, std::int32_t b) const {
+    return !bodies.empty() && bodies[a].movesParticles && bodies[b].hasSurface;
+  }
+  bool particlesMeet(std::int32_t a, std::int32_t b) const { return !onSurface(a, b) && !onSurface(b, a); }
+  /// Whether particles of a meet the exact surface of b at all: grains leave one alone that is for bodies.
+  bool surfaceMeets(std::int32_t a, std::int32_t b) const {
+    return bodies.empty() || bodies[a].isBody || !bodies[b].hasSurface;
+  }
 
   static std::uint64_t pairKey(std::int32_t a, std::int32_t b);
   bool mayMeet(std::int32_t a, std::int32_t b) const;
@@ -50,6 +74,7 @@ struct SearchInput {
   std::span<const std::int32_t> slotOfRank;
   std::int32_t dynamicCount = 0;
   const MeetingRules* rules = nullptr;
+  std::span<const double> overhang = {};  ///< [owner] how far it reaches beyond its particles to surfaces, m
 };
 
 class CandidateList {

@@ -25,13 +25,27 @@ void checkMotion(const RigidMotion& m, const std::string& what) {
 void checkIntegrator(const IntegratorDef& def) {
   requireNotNegative(def.fixedSubStep, "IntegratorDef.fixedSubStep", "s");
   requirePositive(def.tolerance, "IntegratorDef.tolerance", "radii");
-  require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= 0.3,
-          "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "", "in (0, 0.3]");
+  const bool isRungeKutta = def.stepper == Stepper::Rkf45 || def.stepper == Stepper::BogackiShampine;
+  require(def.contactTimeFraction > 0.0 && def.contactTimeFraction <= (isRungeKutta ? 0.3 : 0.9),
+          "IntegratorDef.contactTimeFraction", def.contactTimeFraction, "",
+          isRungeKutta ? "in (0, 0.3]" : "in (0, 0.9] for this stepper");
   require(def.eventFraction > 0.0 && def.eventFraction <= 1.0, "IntegratorDef.eventFraction",
           def.eventFraction, "", "in (0, 1]");
   require(def.eventContacts >= 0, "IntegratorDef.eventContacts", def.eventContacts, "contacts", ">= 0");
   requirePositive(def.smallestSubStep, "IntegratorDef.smallestSubStep", "s");
   require(def.trialLimit > 0, "IntegratorDef.trialLimit", def.trialLimit, "trials", "> 0");
+}
+
+void checkPieces(const Covering& covering) {
+  std::int32_t before = 0;
+  for (const SurfacePiece& piece : covering.pieces) {
+    require(piece.particle >= before && piece.particle < std::ssize(covering.positions),
+            "BodyDef.covering.pieces.particle", piece.particle, "",
+            "an index of a particle, not below that of the piece before");
+    before = piece.particle;
+    for (const Vector3& corner : piece.corners) requireFinite(corner, "BodyDef.covering.pieces.corners", "m");
+    requirePositive(piece.areaVector().norm(), "BodyDef.covering.pieces area", "m^2");
+  }
 }
 
 void checkBody(const BodyDef& def) {
@@ -40,21 +54,27 @@ void checkBody(const BodyDef& def) {
           "at least one, or BodyDef.exact given");
   require(def.covering.radii.size() == count, "BodyDef.covering.radii", def.covering.radii.size(), "entries",
           "as many as positions");
-  require(def.covering.areas.empty() || def.covering.areas.size() == count, "BodyDef.covering.areas",
-          def.covering.areas.size(), "entries", "none, or as many as positions");
   for (const Vector3& p : def.covering.positions) requireFinite(p, "BodyDef.covering.positions", "m");
   for (const double r : def.covering.radii) requirePositive(r, "BodyDef.covering.radii", "m");
-  for (const Matrix3& a : def.covering.areas) {
-    require(a.allFinite() && a.trace() > 0.0, "BodyDef.covering.areas", a.trace(), "m^2 (trace)",
-            "finite and > 0");
-  }
+  checkPieces(def.covering);
   if (def.exact) {
-    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
-      requirePositive(ball->radius, "BodyDef.exact.radius", "m");
+    checkExactSurface(*def.exact, "BodyDef.exact");
+    requireFinite(def.exactPose.position, "BodyDef.exactPose.position", "m");
+    requireRotation(def.exactPose.orientation, "BodyDef.exactPose.orientation");
+    require(count > 0 || def.exactUse == ExactUse::Everything, "BodyDef.exactUse", "Bodies", "",
+            "Everything for a body without particles");
     require(!std::holds_alternative<HalfSpace>(*def.exact) || def.motion != BodyMotion::Dynamic,
             "BodyDef.motion", "Dynamic", "", "Static or Kinematic for a half-space");
   }
   checkMotion({def.pose, def.velocity, def.angularVelocity}, "BodyDef");
+}
+
+/// Where the pieces of each particle begin, and where the last one's end.
+std::vector<std::int32_t> firstPieces(const Covering& covering) {
+  std::vector<std::int32_t> first(covering.positions.size() + 1, 0);
+  for (const SurfacePiece& piece : covering.pieces) ++first[piece.particle + 1];
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  return first;
 }
 
 void checkBodyMass(double mass, const Vector3& inertia) {
@@ -162,14 +182,16 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   record.motionType = def.motion;
   record.covering = def.covering;
   record.exact = def.exact;
+  record.exactUse = def.exactUse;
+  record.exactPose = {def.exactPose.position, def.exactPose.orientation.normalized()};
   for (std::size_t i = 0; i < def.covering.positions.size(); ++i) {
     const ShapeParticle particle{def.covering.positions[i], def.covering.radii[i]};
     record.particles.push_back(particle);
     record.reach = std::max(record.reach, particle.position.norm() + particle.radius);
   }
-  if (def.exact) {
-    if (const auto* ball = std::get_if<ExactSphere>(&*def.exact))
-      record.reach = std::max(record.reach, ball->radius);
+  record.firstPiece = firstPieces(def.covering);
+  if (def.exact && !std::holds_alternative<HalfSpace>(*def.exact)) {
+    record.reach = std::max(record.reach, def.exactPose.position.norm() + boundingRadius(*def.exact));
   }
   record.material = def.material;
   record.mass = def.mass;
@@ -491,8 +513,7 @@ StepReport GranularSystem::measure() {
 
 double GranularSystem::creepSpeed(MaterialId a, MaterialId b, double mass, double particleRadius) const {
   const Impl& s = *impl_;
-  const MaterialPair pair =
-      combineMaterials(s.materials[a.index], s.materials[b.index], materialPair(a, b));
+  const MaterialPair pair = combineMaterials(s.materials[a.index], s.materials[b.index], materialPair(a, b));
   const auto side = [&](MaterialId m) {
     const MaterialDef& material = s.materials[m.index];
     return PairSide{

@@ -70,12 +70,23 @@ enum class BodyMotion : std::uint8_t {
   Dynamic,    ///< integrated together with the grains
 };
 
+/// Whom a body's exact surface is for.
+enum class ExactUse : std::uint8_t {
+  Everything,  ///< all particles meet it, besides the body's own particles
+  /// Particles of other bodies meet it in place of the body's particles, which are left for grains. Two
+  /// bodies that both have such a surface and move freely meet both ways, each with half the stiffness.
+  /// Particles against particles nest: their faces sink into each other and lock.
+  Bodies,
+};
+
 /// A rigid body whose surface carries particles. Body frame: origin at the centre of mass, principal axes of
 /// inertia.
 struct BodyDef {
   BodyMotion motion = BodyMotion::Static;
   Covering covering = {};  ///< at least one particle, unless an exact surface is given
-  std::optional<ExactSurface> exact = std::nullopt;  ///< met by particles besides the covering
+  std::optional<ExactSurface> exact = std::nullopt;  ///< met by particles
+  Pose exactPose = {};                               ///< of its frame in the body frame
+  ExactUse exactUse = ExactUse::Everything;
   MaterialId material = {};
   double mass = 0.0;                           ///< kg; > 0 for dynamic bodies, ignored for others
   Vector3 principalInertia = Vector3::Zero();  ///< kg m^2; > 0 for dynamic bodies

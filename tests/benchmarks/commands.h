@@ -19,6 +19,10 @@ void addPeersCommand(CLI::App& app, int& status);
 /// `restitution [--out DIR]`: figure 3 of the paper, PNG and CSV.
 void addRestitutionCommand(CLI::App& app, int& status);
 
+/// `surfaces [--grains N] [--csv FILE]`: grains on particles, on exact boxes and on distance fields: cost,
+/// drain rate, heap.
+void addSurfacesCommand(CLI::App& app, int& status);
+
 /// `verify [--only TEXT] [--long] [--list] [--csv FILE] [--plots DIR]`: the table of all cases with known
 /// answers; status 1 if one fails.
 void addVerifyCommand(CLI::App& app, int& status);

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   granular_bench::addPeersCommand(app, status);
   granular_bench::addCoverCommand(app, status);
   granular_bench::addRestitutionCommand(app, status);
+  granular_bench::addSurfacesCommand(app, status);
   granular_bench::addVerifyCommand(app, status);
   granular_bench::addWorkPrecisionCommand(app, status);
   try {

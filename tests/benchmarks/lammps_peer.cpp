@@ -41,13 +41,13 @@ PackedScene LammpsPeer::build(const PackedGrains& grains, const granular::Materi
   return makePackedScene(grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_}, 1);
 }
 
-void LammpsPeer::advance(granular::GranularSystem& system, std::int64_t steps) const {
-  if (steps == 0) return;
+granular::StepReport LammpsPeer::advance(granular::GranularSystem& system, std::int64_t steps) const {
   const granular::StepReport report = system.step(static_cast<double>(steps) * timeStep_);
   if (report.subSteps != steps || report.rejectedTrials != 0) {
     throw std::runtime_error("made " + std::to_string(report.subSteps) + " sub-steps of " +
                              std::to_string(steps));
   }
+  return report;
 }
 
 void LammpsPeer::write(const granular::GranularSystem& system, std::int64_t steps, bool dump,
@@ -90,7 +90,8 @@ LammpsPeer::Cost LammpsPeer::theirs(const PackedGrains& grains, const granular::
     write(scene.system, steps, false, style);
   }
   const granular_test::LammpsRun run = granular_test::runLammps(program_, folder_);
-  return {run.loopSeconds, static_cast<double>(run.peakBytes - emptyBytes_) / static_cast<double>(particles)};
+  return {run.loopSeconds, run.listBuilds,
+          static_cast<double>(run.peakBytes - emptyBytes_) / static_cast<double>(particles)};
 }
 
 LammpsPeer::Cost LammpsPeer::ours(const PackedGrains& grains, const granular::MaterialPairDef& pair,
@@ -100,9 +101,9 @@ LammpsPeer::Cost LammpsPeer::ours(const PackedGrains& grains, const granular::Ma
   PackedScene scene = build(grains, pair);
   scene.system.measure();  // layout, first list and first forces, which LAMMPS's time leaves out too
   const auto start = std::chrono::steady_clock::now();
-  advance(scene.system, steps);
+  const std::int64_t listBuilds = advance(scene.system, steps).listRebuilds;
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  return {seconds.count(),
+  return {seconds.count(), listBuilds,
           static_cast<double>(residentBytes() - before) / static_cast<double>(scene.system.particleCount())};
 }
 

@@ -34,6 +34,7 @@ class LammpsPeer {
 
   struct Cost {
     double seconds = 0.0;           ///< wall time of the steps, without set-up
+    std::int64_t listBuilds = 0;    ///< in these steps
     double bytesPerParticle = 0.0;  ///< resident memory over that of a program with nothing to do
   };
   Cost theirs(const PackedGrains& grains, const granular::MaterialPairDef& pair, std::int64_t steps,
@@ -42,7 +43,7 @@ class LammpsPeer {
 
  private:
   PackedScene build(const PackedGrains& grains, const granular::MaterialPairDef& pair) const;
-  void advance(granular::GranularSystem& system, std::int64_t steps) const;
+  granular::StepReport advance(granular::GranularSystem& system, std::int64_t steps) const;
   void write(const granular::GranularSystem& system, std::int64_t steps, bool dump,
              granular::LammpsStyle style) const;
 

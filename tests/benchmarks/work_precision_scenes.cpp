@@ -12,7 +12,8 @@ using namespace granular;
 
 constexpr double kRadius = 2.5e-3;  // of particles, m
 constexpr double kHorizon = 4e-3;   // s; some eight contact times
-constexpr double kStirring = 1.0;   // m/s, given to each grain of a flow
+constexpr double kShear = 25.0;     // 1/s, of the flow
+constexpr double kFall = 0.5;       // m/s, towards the floor, so that it is dense
 const Vector3 kAside(0.0, -1e3, 0.0);
 
 /// Where walls and floor are bodies, by their order.
@@ -63,20 +64,19 @@ void run(GranularSystem& system, double seconds) {
   for (int i = 0; i < steps; ++i) system.step(seconds / steps);
 }
 
-/// Takes the right wall away, stirs the heap so that every grain collides, and lets it flow.
+/// A heap whose right wall goes away and which shears off over the floor: fast, dense, every grain colliding.
 void breakDam(GranularSystem& system) {
   run(system, 0.1);
   const std::int32_t wall = kRight;
   system.setBodyMotion({wall, 0}, {.pose = {.position = kAside + Vector3(1e3, 0.0, 0.0)}});
   run(system, 0.05);
-  Random random(11);
   const auto grains = system.grainMotions();
   for (std::int32_t g = 0; g < system.grainCount(); ++g) {
     RigidMotion motion = grains[g];
-    motion.velocity += random.rotation() * Vector3(kStirring, 0.0, 0.0);
+    motion.velocity += Vector3(kShear * motion.pose.position.y(), -kFall, 0.0);
     system.setGrainMotion({g, 0}, motion);
   }
-  run(system, 0.005);
+  run(system, 0.003);
 }
 
 void addBall(GranularSystem& system, double height) {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "granular/geometry/cover.h"
+#include "granular/geometry/mesh_primitives.h"
 #include "tests/verification/impact.h"
 
 namespace granular::verification {
@@ -54,6 +56,17 @@ class CubeOnPlane {
   BodyId body_;
 };
 
+/// For the particle that comes next, at `center`, its cell of the face across an axis; sign: which of the
+/// two.
+void addCell(Covering& covering, const Vector3& center, double cell, int axis, double sign) {
+  const double half = 0.5 * cell;
+  const Vector3 middle = center + sign * half * Vector3::Unit(axis);
+  const Vector3 u = half * Vector3::Unit((axis + 1) % 3), v = sign * half * Vector3::Unit((axis + 2) % 3);
+  const auto particle = static_cast<std::int32_t>(covering.positions.size());
+  covering.pieces.push_back({particle, {middle - u - v, middle + u - v, middle + u + v}});
+  covering.pieces.push_back({particle, {middle - u - v, middle + u + v, middle - u + v}});
+}
+
 Pose placed(CubePose pose, double depth) {
   return {.position = {0.0, touchingHeight(pose) - depth, 0.0}, .orientation = orientationOf(pose)};
 }
@@ -77,15 +90,15 @@ Covering cubeCovering(int n) {
     for (int j = 0; j < n; ++j) {
       for (int k = 0; k < n; ++k) {
         const std::array<int, 3> index{i, j, k};
-        Matrix3 area = Matrix3::Zero();
+        if (std::ranges::all_of(index, [n](int at) { return at > 0 && at < n - 1; })) continue;
+        const Vector3 center(place(i), place(j), place(k));
         for (int axis = 0; axis < 3; ++axis) {
-          if (index[axis] == 0) area(axis, axis) += cell * cell;
-          if (index[axis] == n - 1) area(axis, axis) += cell * cell;
+          for (const auto& [at, sign] : {std::pair{0, -1.0}, std::pair{n - 1, 1.0}}) {
+            if (index[axis] == at) addCell(covering, center, cell, axis, sign);
+          }
         }
-        if (area.isZero()) continue;
-        covering.positions.push_back({place(i), place(j), place(k)});
+        covering.positions.push_back(center);
         covering.radii.push_back(0.5 * cell);
-        covering.areas.push_back(area);
       }
     }
   }
@@ -98,9 +111,10 @@ Covering footCovering(int n) {
   const auto place = [&](int i) { return (i + 0.5) * cell - 0.5 * kCubeSide; };
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
-      covering.positions.push_back({place(i), 0.5 * (cell - kCubeSide), place(k)});
+      const Vector3 center(place(i), 0.5 * (cell - kCubeSide), place(k));
+      addCell(covering, center, cell, 1, -1.0);
+      covering.positions.push_back(center);
       covering.radii.push_back(0.5 * cell);
-      covering.areas.push_back(cell * cell * Vector3::UnitY() * Vector3::UnitY().transpose());
     }
   }
   return covering;
@@ -130,15 +144,14 @@ double cubeStiffness(const Covering& covering, CubePose pose, double depth) {
 }
 
 double exactStiffness(CubePose pose, double depth) {
-  // The pressure kStiffness times depth on the part of the cube below the plane; an area dA of a face with
-  // the normal n pushes along the plane's normal N with its share (n . N)^2 dA.
+  // kStiffness times the volume below the plane, over the depth: of a box, a prism and a pyramid.
   switch (pose) {
     case CubePose::Flat:
       return kStiffness * kCubeSide * kCubeSide;
     case CubePose::Edge:
-      return kStiffness * kCubeSide * depth / std::numbers::sqrt2;
+      return kStiffness * kCubeSide * depth;
     case CubePose::Corner:
-      return 0.5 * kStiffness * depth * depth;
+      return 0.5 * std::numbers::sqrt3 * kStiffness * depth * depth;
   }
   return 0.0;
 }
@@ -158,6 +171,7 @@ CubeBounce dropCubeTo(const Covering& covering, CubePose pose, double depth) {
 CubeFriction slideCube(const Covering& covering, double friction) {
   const double g = 9.81;
   MaterialPairDef pair{.restitution = 0.2, .restitutionSpeed = 0.02, .friction = friction};
+  pair.bodyNormal.stiffness = kStiffness;
   pair.shear = {.law = ShearLaw::StaticFriction, .dampingRatio = 0.5};
   CubeOnPlane cube(covering, pair, {.pose = placed(CubePose::Flat, 0.0)}, {0.0, -g, 0.0},
                    {.tolerance = 1e-6});
@@ -179,17 +193,56 @@ CubeFriction slideCube(const Covering& covering, double friction) {
   return result;
 }
 
-std::vector<CoveringSeries> coveringSeries(const std::vector<int>& cellsPerEdge) {
+double exactShearStiffness() {
+  const double nu = kStone.poissonRatio;
+  return 2.0 * (1.0 - nu) / (2.0 - nu) * kStiffness * kCubeSide * kCubeSide;
+}
+
+TiltedCube tiltCube(const Covering& covering, double depth, double angle) {
+  const Quaternion turn(Eigen::AngleAxisd(angle, Vector3::UnitZ()));
+  const Vector3 foot = turn * Vector3(0.0, -0.5 * kCubeSide, 0.0);
+  CubeOnPlane cube(covering, givenPair(1.0), {.pose = {{0.0, -depth - foot.y(), 0.0}, turn}}, Vector3::Zero(),
+                   {});
+  return {cube.contact().force.y(), cube.contact().torque.z()};
+}
+
+TiltedCube tiltedSolid(double depth, double angle) {
+  const Eigen::Rotation2Dd turn(angle);
+  const double height = -depth + 0.5 * kCubeSide * std::cos(angle);  // of the cube's centre
+  double area = 0.0,
+         moment = 0.0;  // below the plane and over it; of the distance to the cube's centre along x
+  const std::array<Eigen::Vector2d, 4> square{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+  for (int k = 0; k < 4; ++k) {
+    Eigen::Vector2d from = 0.5 * kCubeSide * (turn * square[k]),
+                    to = 0.5 * kCubeSide * (turn * square[(k + 1) % 4]);
+    if (to.x() <= from.x()) continue;  // the upper side
+    double depth1 = -from.y() - height, depth2 = -to.y() - height;
+    if (depth1 <= 0.0 && depth2 <= 0.0) continue;
+    const Eigen::Vector2d cut = from + depth1 / (depth1 - depth2) * (to - from);
+    if (depth1 < 0.0) from = cut, depth1 = 0.0;
+    if (depth2 < 0.0) to = cut, depth2 = 0.0;
+    const double width = to.x() - from.x();
+    area += 0.5 * width * (depth1 + depth2);
+    moment += width / 6.0 * (from.x() * (2.0 * depth1 + depth2) + to.x() * (depth1 + 2.0 * depth2));
+  }
+  return {kStiffness * kCubeSide * area, kStiffness * kCubeSide * moment};
+}
+
+std::vector<CoveringSeries> coveringSeries(const std::vector<double>& radii) {
   std::vector<CoveringSeries> all;
   for (const CubePose pose : {CubePose::Flat, CubePose::Edge, CubePose::Corner}) {
     CoveringSeries series{.pose = pose};
     const double depth = depthOf(pose);
-    for (const int n : cellsPerEdge) {
-      const Covering covering = cubeCovering(n);
+    for (const double radius : radii) {
+      const Covering covering = coverMesh(makeBox(Vector3::Constant(kCubeSide)), {.particleRadius = radius});
       series.particles.push_back(static_cast<double>(covering.positions.size()));
       series.restitution.push_back(dropCube({.covering = covering, .pose = pose, .speed = 0.5}).restitution);
       series.overlap.push_back(dropCubeTo(covering, pose, depth).overlap / depth);
       series.stiffness.push_back(cubeStiffness(covering, pose, depth) / exactStiffness(pose, depth));
+      if (pose != CubePose::Flat) continue;
+      const CubeFriction friction = slideCube(covering, 0.4);
+      series.friction.push_back(friction.coefficient / 0.4);
+      series.shearStiffness.push_back(friction.shearStiffness / exactShearStiffness());
     }
     all.push_back(series);
   }

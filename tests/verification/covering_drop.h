@@ -62,12 +62,28 @@ struct CubeFriction {
 };
 CubeFriction slideCube(const Covering& covering, double friction);
 
+/// Of the stone's material: kt/kn = 2 (1 - nu)/(2 - nu) (Mindlin 1949) times kStiffness times the foot's
+/// area.
+double exactShearStiffness();
+
+/// A cube turned about z, the middle of its foot `depth` below the plane: force of the plane on it and its
+/// torque about the cube's centre, by kStiffness. Of the solid: each point of the plane pushes as deep as the
+/// underside is there.
+struct TiltedCube {
+  double force = 0.0;   ///< N
+  double torque = 0.0;  ///< N m, about z
+};
+TiltedCube tiltCube(const Covering& covering, double depth, double angle);
+TiltedCube tiltedSolid(double depth, double angle);
+
 /// By the number of particles, for the figure: restitution where 0.5 is asked, stiffness and deepest overlap
-/// over those of the true cube.
+/// over those of the true cube; flat also friction and shear stiffness over what was asked for. Coverings
+/// made by floaters on the cube's mesh.
 struct CoveringSeries {
   CubePose pose = CubePose::Flat;
-  std::vector<double> particles = {}, restitution = {}, stiffness = {}, overlap = {};
+  std::vector<double> particles = {}, restitution = {}, stiffness = {}, overlap = {}, friction = {},
+                      shearStiffness = {};
 };
-std::vector<CoveringSeries> coveringSeries(const std::vector<int>& cellsPerEdge);
+std::vector<CoveringSeries> coveringSeries(const std::vector<double>& radii);
 
 }  // namespace granular::verification

@@ -35,15 +35,12 @@ LammpsAtom atomOf(const RigidMotion& motion, const Vector3& p, double radius, do
   return atom;
 }
 
-bool isDefault(const ContactFilter& filter) {
-  return filter.group == ContactFilter{}.group && filter.mask == ContactFilter{}.mask;
-}
-
 }  // namespace
 
 LammpsModel::LammpsModel(const GranularSystem& system, int largestTypeCount) : system_(system) {
   addGrains();
   addBodies();
+  noteFilters();
   combineMaterialPairs();
   makeTypes(largestTypeCount);
   measureContacts();
@@ -85,7 +82,8 @@ void LammpsModel::addGrains() {
       if (isClump) atom.molecule = static_cast<std::int64_t>(rigidBodies.size());
       addAtom(std::move(atom), {material, LammpsRole::Grain, {scale * particle.radius, mass}});
     }
-    if (!isDefault(system_.filterOf(id))) note("contact filters are left out: everything meets everything");
+    const ContactFilter& filter = system_.filterOf(id);
+    filters_.insert({filter.group, filter.mask, false});
   }
 }
 
@@ -163,7 +161,7 @@ void LammpsModel::addExactSurface(const BodyDef& body, std::int64_t molecule, do
 }
 
 void LammpsModel::noteBody(BodyId id, const BodyDef& body) {
-  if (!isDefault(body.filter)) note("contact filters are left out: everything meets everything");
+  filters_.insert({body.filter.group, body.filter.mask, body.motion != BodyMotion::Dynamic});
   if (body.motion == BodyMotion::Kinematic) {
     note("kinematic bodies move on as they do now: what the host would do with them is left out");
   }
@@ -177,6 +175,17 @@ void LammpsModel::noteBody(BodyId id, const BodyDef& body) {
   }
   if (system_.bodyGravity(id) != system_.gravity())
     note("bodies with a gravity of their own feel everyone's");
+}
+
+/// LAMMPS lets everything meet: told if something that moves would pass through something here.
+void LammpsModel::noteFilters() {
+  for (const auto& [group, mask, isHeld] : filters_) {
+    for (const auto& [otherGroup, otherMask, otherIsHeld] : filters_) {
+      if (isHeld && otherIsHeld) continue;
+      if ((group & otherMask) != 0 && (otherGroup & mask) != 0) continue;
+      note("contact filters are left out: everything meets everything");
+    }
+  }
 }
 
 }  // namespace granular::detail

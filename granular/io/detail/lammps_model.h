@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -97,6 +99,7 @@ class LammpsModel {
   void addExactSurface(const BodyDef& body, std::int64_t molecule, double density);
   void addAtom(LammpsAtom atom, const Side& side);
   void noteBody(BodyId id, const BodyDef& body);
+  void noteFilters();
   void note(const std::string& text);
 
   void combineMaterialPairs();
@@ -115,6 +118,7 @@ class LammpsModel {
   static Side sideOf(const LammpsWall& wall) { return {wall.material, LammpsRole::FixedBody, {}}; }
 
   const GranularSystem& system_;
+  std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> filters_;  // group, mask, held
   std::map<std::pair<std::int32_t, std::int32_t>, MaterialPair> materialPairs_;
   std::vector<std::pair<LammpsAtom, Side>> exactSpheres_;  // come after the particles
 };

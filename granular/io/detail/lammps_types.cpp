@@ -140,9 +140,14 @@ void LammpsModel::makeTypes(int largestTypeCount) {
 void LammpsModel::measureContacts() {
   shortestContactTime = std::numeric_limits<double>::infinity();
   if (families.empty()) return;
+  const auto smallestOf = [](const LammpsFamily& family) {
+    return Side{family.material, family.role, family.sizes.front()};
+  };
+  for (const LammpsFamily& family : families) {
+    for (const LammpsFamily& other : families) measureContact(smallestOf(family), smallestOf(other));
+    for (const LammpsWall& wall : walls) measureContact(smallestOf(family), sideOf(wall));
+  }
   for (int a = 1; a <= typeCount(); ++a) {
-    for (int b = a; b <= typeCount(); ++b) measureContact(middleOf(a), middleOf(b));
-    for (const LammpsWall& wall : walls) measureContact(middleOf(a), sideOf(wall));
     const LammpsFamily& family = familyOf(a);
     const auto [first, end] = family.sizesOf(a);
     for (int b = 1; b <= typeCount(); ++b) {

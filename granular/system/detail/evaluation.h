@@ -156,17 +156,20 @@ class Evaluation {
   double surfaceMove(std::int32_t s) const;
   void rememberList();
 
+  /// Whether contact n, -1 for none, is one: findContacts may also offer pairs that turn out to be apart.
+  bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
+
   /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.
   struct Extremes {
     double urgency = 0.0, overlap = 0.0;
-    std::int32_t pushing = 0;
+    std::int32_t contacts = 0, pushing = 0;
   };
   template <class Normal, class Shear>
   void forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y, double* rate,
                    Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
-  double contactArea(const Contact& contact, const Vector3& N) const;
+  bool foundationGeometry(const Contact& contact, const Vector3& center, ContactGeometry& geometry) const;
 
   Layout layout_;
   Surroundings surroundings_;
@@ -195,7 +198,8 @@ class Evaluation {
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
   std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
-  std::vector<std::int32_t> contactsInPiece_, pushingInPiece_;
+  std::vector<std::int32_t> contactsInPiece_;
+  std::vector<Extremes> extremesInPiece_;
   std::vector<PatchWrench> patchWrenches_;
 
   std::vector<MemoryEntry> memory_;              // by rank1, then rank2; entry m is at stateSize() + 3 m of y
@@ -211,7 +215,7 @@ void Evaluation::forEachContact(Body&& body) const {
     const std::int32_t slot = layout_.slotOfRank[rank];
     for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
       const std::int32_t n = contactOfCandidate_[c];
-      if (n >= 0) body(contacts_[n], forces_[n], pairLaw(contacts_[n]));
+      if (touches(n)) body(contacts_[n], forces_[n], pairLaw(contacts_[n]));
     }
   }
 }

@@ -3,7 +3,6 @@
 // order particles lie in memory.
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
@@ -23,20 +22,21 @@ constexpr double kNarrowestSkin = 0.1, kWidestSkin = 1.2, kSkinStep = 1.4;
 
 void Evaluation::placeSurface(std::int32_t s) {
   const std::int32_t o = layout_.ownerOfSurface[s];
-  surfaces_[s].point = owners_[o].center;
-  if (const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].exact)) {
-    surfaces_[s].radius = ball->radius;
-  } else {
-    surfaces_[s].normal = rotations_[o].col(1);
-  }
+  const Owner& owner = layout_.owners[o];
+  surfaces_[s].shape = owner.exact;
+  surfaces_[s].boundingRadius = boundingRadius(*owner.exact);
+  surfaces_[s].point = owners_[o].center + rotations_[o] * owner.exactPose.position;
+  surfaces_[s].rotation = rotations_[o] * owner.exactPose.orientation.toRotationMatrix();
 }
 
 /// How far any point of the surface near a particle has moved since the list was made, at most, m.
 double Evaluation::surfaceMove(std::int32_t s) const {
   const SurfaceRow &now = surfaces_[s], &then = listedSurfaces_[s];
-  if (now.radius > 0.0) return (now.point - then.point).norm();
-  return std::abs(now.normal.dot(now.point) - then.normal.dot(then.point)) +
-         (now.normal - then.normal).norm() * listedExtent_;
+  if (std::isfinite(now.boundingRadius)) {
+    return (now.point - then.point).norm() + (now.rotation - then.rotation).norm() * now.boundingRadius;
+  }
+  const Vector3 normal = now.rotation.col(1), before = then.rotation.col(1);
+  return std::abs(normal.dot(now.point) - before.dot(then.point)) + (normal - before).norm() * listedExtent_;
 }
 
 void Evaluation::updateCandidates() {
@@ -106,7 +106,8 @@ void Evaluation::rebuildCandidates() {
                           .rank = layout_.rankOfSlot,
                           .slotOfRank = layout_.slotOfRank,
                           .dynamicCount = layout_.dynamicParticles,
-                          .rules = &layout_.rules};
+                          .rules = &layout_.rules,
+                          .overhang = layout_.overhang};
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The stages that find contacts and work out their forces: which laws hold between which kinds of particles,
 // where two particles meet, and runs of contacts through the kernel compiled for their two laws.
+#include <cmath>
 #include <limits>
+#include <variant>
 
 #include "granular/contact/law_list.h"
+#include "granular/contact/pressed_patch.h"
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
 
@@ -86,7 +89,9 @@ void Evaluation::findContacts() {
           const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z, reach = a.radius + b.radius;
           touches = dx * dx + dy * dy + dz * dz < reach * reach;
         } else {
-          touches = surfaces_[partner[c] - layout_.particleCount].distance({a.x, a.y, a.z}) < a.radius;
+          const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
+          const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
+          touches = surface.distance({a.x, a.y, a.z}).distance < reach;
         }
         contactOfCandidate_[c] = touches ? n : -1;
         contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
@@ -97,61 +102,91 @@ void Evaluation::findContacts() {
   });
 }
 
-/// The area, m^2, that a contact of bodies stands for: what its particle shows along N; of two particles,
-/// what both together do as springs one behind the other.
-double Evaluation::contactArea(const Contact& contact, const Vector3& N) const {
-  const auto areaOf = [&](std::int32_t slot) {
+/// What bodies press with. Of a particle against an exact surface: its pieces, where they are below it. Of
+/// two particles: the areas they show, as springs one behind the other, as deep as the particles overlap.
+/// `center`: of particle 1. In: xi and N of the particles. False if nothing presses.
+bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& center, ContactGeometry& g) const {
+  const auto areaOf = [&](std::int32_t slot, const Vector3& N) {
     const std::int32_t o = layout_.ownerOfSlot[slot];
     const Owner& owner = layout_.owners[o];
     return Layout::areaAlong(owner, layout_.rankOfSlot[slot] - owner.firstRank,
                              rotations_[o].transpose() * N);
   };
-  const double first = areaOf(contact.slot1);
-  if (contact.slot2 >= layout_.particleCount) return first;
-  const double second = areaOf(contact.slot2);
-  return first * second / (first + second);
+  const std::int32_t o = layout_.ownerOfSlot[contact.slot1];
+  const Owner& owner = layout_.owners[o];
+  const bool onSurface = contact.slot2 >= layout_.particleCount;
+  const std::int32_t other = layout_.ownerOfSlot[contact.slot2];
+  // Bodies that meet both ways, the particles of each on the surface of the other, share the stiffness.
+  const bool bothWays = layout_.rules.onSurface(o, other) && layout_.rules.onSurface(other, o);
+  const double weight = bothWays ? 0.5 : 1.0;
+  if (!onSurface || owner.pieces.empty()) {
+    if (!(g.xi > 0.0)) return false;
+    const double first = areaOf(contact.slot1, g.N), second = onSurface ? 0.0 : areaOf(contact.slot2, -g.N);
+    g.share = onSurface ? weight * first : first * second > 0.0 ? first * second / (first + second) : 0.0;
+    g.meanSquareOverlap = g.xi * g.xi;
+    return g.share > 0.0;
+  }
+  const Matrix3& rotation = rotations_[o];
+  const std::int32_t local = layout_.rankOfSlot[contact.slot1] - owner.firstRank;
+  const double distance = particles_[contact.slot1].radius - g.xi;
+  const PressedPatch patch = pressedPatch(owner.piecesOf(local), owner.particles[local].position, distance,
+                                          rotation.transpose() * g.N);
+  if (!(patch.area > 0.0)) return false;
+  g.xi = patch.depth;
+  g.share = weight * patch.area;
+  g.shareGrowth = patch.areaSlope / patch.area;
+  g.meanSquareOverlap = patch.meanSquareDepth;
+  const Vector3 point = owners_[o].center + rotation * patch.center;
+  g.point = point - (g.N.dot(point - center) - distance) * g.N;
+  return true;
 }
 
-/// False where the test of findContacts and the exact overlap disagree by rounding.
+/// False where the particles do not touch after all: by rounding, or as one overhangs and does not reach.
 template <class Normal, class Shear>
 bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) const {
   const ParticleRow& a = particles_[contact.slot1];
   const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
   const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
   const Vector3 x1(a.x, a.y, a.z);
-  const bool isPlane = contact.slot2 >= layout_.particleCount &&
-                       surfaces_[contact.slot2 - layout_.particleCount].radius == 0.0;
+  const SurfaceRow* surface =
+      contact.slot2 < layout_.particleCount ? nullptr : &surfaces_[contact.slot2 - layout_.particleCount];
+  const ExactSphere* ball = surface ? std::get_if<ExactSphere>(surface->shape) : nullptr;
+  const bool isRound = !surface || ball;
   Vector3 x2 = Vector3::Zero();
-  double distance = 0.0;
-  if (isPlane) {
-    const SurfaceRow& plane = surfaces_[contact.slot2 - layout_.particleCount];
-    g.xi = a.radius - plane.distance(x1);
-    g.N = -plane.normal;
-    g.point = x1 + (a.radius - g.xi) * g.N;
-  } else {
+  double distance = 0.0;  // of the centres of two round ones
+  if (isRound) {
     double radius2;
-    if (contact.slot2 < layout_.particleCount) {
+    if (ball) {
+      x2 = surface->point;
+      radius2 = ball->radius;
+    } else {
       const ParticleRow& b = particles_[contact.slot2];
       x2 = {b.x, b.y, b.z};
       radius2 = b.radius;
-    } else {
-      x2 = surfaces_[contact.slot2 - layout_.particleCount].point;
-      radius2 = surfaces_[contact.slot2 - layout_.particleCount].radius;
     }
     distance = (x2 - x1).norm();
     g.xi = a.radius + radius2 - distance;                                  // eq. 1
     g.N = distance > 0.0 ? Vector3((x2 - x1) / distance) : kAnyDirection;  // eq. 2
     g.point = x1 + (a.radius - 0.5 * g.xi) * g.N;
+  } else {
+    const SurfaceDistance near = surface->distance(x1);
+    g.xi = a.radius - near.distance;
+    g.N = -near.normal;
+    g.point = x1 + near.distance * g.N;
+    g.share = near.slope;  // the force is the slope of an energy, also where the distance is interpolated
   }
-  if (!(g.xi > 0.0)) return false;
+  if constexpr (Normal::kByArea) {
+    if (!foundationGeometry(contact, x1, g)) return false;
+  } else if (!(g.xi > 0.0)) {
+    return false;
+  }
   g.V = owner1.velocity + owner1.angularVelocity.cross(g.point - owner1.center) - owner2.velocity -
         owner2.angularVelocity.cross(g.point - owner2.center);  // eq. 3
-  if constexpr (Normal::kByArea) g.share = contactArea(contact, g.N);
   if constexpr (Shear::kHasMemory) {
     // The contact's frame turns with its normal, and about it as the two owners do on average.
     const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
-    Vector3 swing = isPlane ? owner2.angularVelocity : Vector3(Vector3::Zero());
-    if (!isPlane && distance > 0.0) {
+    Vector3 swing = isRound ? Vector3(Vector3::Zero()) : owner2.angularVelocity;
+    if (distance > 0.0) {
       const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - owner2.center) -
                               owner1.velocity - owner1.angularVelocity.cross(x1 - owner1.center);
       swing = g.N.cross(centers) / distance;
@@ -195,6 +230,7 @@ void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const Moment&
       if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
     }
     forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+    ++extremes.contacts;
     extremes.pushing += result.force.dot(g.N) != 0.0;
     extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
     extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
@@ -205,9 +241,7 @@ void Evaluation::computeContactForces(const Moment& at, const std::vector<double
                                       std::vector<double>& rate) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
-  pieceMaximum_.assign(pieces, 0.0);
-  pieceMaximum2_.assign(pieces, 0.0);
-  pushingInPiece_.assign(pieces, 0);
+  extremesInPiece_.assign(pieces, {});
   if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
     std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
@@ -224,16 +258,16 @@ void Evaluation::computeContactForces(const Moment& at, const std::vector<double
       });
       begin = stop;
     }
-    pushingInPiece_[piece] = extremes.pushing;
-    pieceMaximum_[piece] = extremes.urgency;
-    pieceMaximum2_[piece] = extremes.overlap;
+    extremesInPiece_[piece] = extremes;
   });
-  summary_.urgency = maximum(pieceMaximum_, pieces);
-  summary_.largestOverlap = maximum(pieceMaximum2_, pieces);
-  summary_.contacts = 0;
-  for (const std::int32_t count : contactsInPiece_) summary_.contacts += count;
-  summary_.pushing = 0;
-  for (const std::int32_t count : pushingInPiece_) summary_.pushing += count;
+  summary_.urgency = summary_.largestOverlap = 0.0;
+  summary_.contacts = summary_.pushing = 0;
+  for (const Extremes& extremes : extremesInPiece_) {
+    summary_.urgency = std::max(summary_.urgency, extremes.urgency);
+    summary_.largestOverlap = std::max(summary_.largestOverlap, extremes.overlap);
+    summary_.contacts += extremes.contacts;
+    summary_.pushing += extremes.pushing;
+  }
 }
 
 double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {
@@ -245,10 +279,10 @@ double Evaluation::relativeOverlap(const Contact& contact, double overlap) const
 double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& force) const {
   const PairLaw& law = pairLaw(contact);
   return withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
-    const double energy = Normal::elasticEnergy(law.normal, force.overlap);
-    if constexpr (!Normal::kByArea) return energy;
+    if constexpr (!Normal::kByArea) return Normal::elasticEnergy(law.normal, force.overlap);
     ContactGeometry g;
-    return contactGeometry<Normal, RegularisedCoulomb>(contact, g) ? g.share * energy : 0.0;
+    if (!contactGeometry<Normal, RegularisedCoulomb>(contact, g)) return 0.0;
+    return g.share * Normal::elasticEnergy(law.normal, std::sqrt(g.meanSquareOverlap));
   });
 }
 

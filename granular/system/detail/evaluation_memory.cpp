@@ -76,7 +76,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
     const std::int32_t slot = layout_.slotOfRank[rank];
     for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
       const std::int32_t n = contactOfCandidate_[c];
-      if (n < 0) {
+      if (!touches(n)) {
         memoryOfCandidate_[c] = -1;
         continue;
       }

@@ -24,8 +24,11 @@ struct Owner {
   OwnerKind kind = OwnerKind::Grain;
   std::int32_t index = -1;                   ///< GrainId::index or BodyId::index
   std::span<const ShapeParticle> particles;  ///< principal frame, before scale
-  std::span<const Matrix3> areas;            ///< of a body's particles, as Covering::areas; may be empty
+  std::span<const SurfacePiece> pieces;      ///< of a body, as Covering::pieces; may be empty
+  std::span<const std::int32_t> firstPiece;  ///< of particle i; one entry more than particles, or none
   const ExactSurface* exact = nullptr;       ///< of a body that has one
+  Pose exactPose;                            ///< of its frame in the body frame
+  ExactUse exactUse = ExactUse::Everything;
   double scale = 1.0;
   double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
@@ -42,6 +45,11 @@ struct Owner {
   std::int32_t firstSlot = 0;
   std::int32_t firstPatch = -1;  ///< -1: static
   std::int32_t patchCount = 0;
+
+  std::span<const SurfacePiece> piecesOf(std::int32_t local) const {
+    if (pieces.empty()) return {};
+    return pieces.subspan(firstPiece[local], firstPiece[local + 1] - firstPiece[local]);
+  }
 };
 
 /// omega = R I^-1 R^T L, world, with locked axes left out; rad/s.
@@ -55,7 +63,7 @@ inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientati
 
 /// A particle or exact surface as the pair laws tell it apart.
 struct ParticleKind {
-  double inverseRadius = 0.0;  ///< 0 for a plane
+  double inverseRadius = 0.0;  ///< 0 for an exact surface but a sphere: it counts as flat
   double inverseMass = 0.0;
   std::int32_t material = -1;
   bool isBody = false;
@@ -95,6 +103,7 @@ struct Layout {
   std::vector<ParticleKind> kinds;
   std::vector<std::int32_t> kindOfRank;
   MeetingRules rules;
+  std::vector<double> overhang;  ///< by owner: how far pieces reach beyond their particles, at most, m
 
   /// Area that particle `local` of a body shows to a contact along N (unit, body frame), m^2.
   static double areaAlong(const Owner& owner, std::int32_t local, const Vector3& N);
@@ -105,6 +114,7 @@ struct Layout {
   void assignSlots(std::vector<std::int32_t> order);
 
  private:
+  void noteBodySurfaces();
   void findKinds();
 };
 

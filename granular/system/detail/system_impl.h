@@ -36,7 +36,10 @@ struct BodyRecord {
   BodyMotion motionType = BodyMotion::Static;
   Covering covering;
   std::optional<ExactSurface> exact;
+  Pose exactPose;
+  ExactUse exactUse = ExactUse::Everything;
   std::vector<ShapeParticle> particles;
+  std::vector<std::int32_t> firstPiece;  // of covering.pieces, by particle; one entry more
   double reach = 0.0;
   MaterialId material;
   double mass = 0.0;
@@ -60,6 +63,9 @@ class GranularSystem::Impl {
     setStepper();
   }
 
+  struct ErrorOfPiece {
+    double largest = 0.0, sumOfSquares = 0.0;  // m, m^2
+  };
   struct Trial {
     double length = 0.0;          // s
     bool isLoose = false;         // beyond IntegratorDef::trialLimit
@@ -87,7 +93,7 @@ class GranularSystem::Impl {
   std::vector<double> y;
   std::unique_ptr<StepMethod> stepper;
   StepControl control;
-  std::vector<double> worstInPiece;     // errors, m
+  std::vector<ErrorOfPiece> errorOfPiece;
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "granular/dynamics/runge_kutta.h"
 #include "granular/system/detail/system_impl.h"
 
 namespace granular {
@@ -29,6 +30,12 @@ constexpr double kEventApproach = 0.2;
 // Beyond IntegratorDef::trialLimit errors may be this much larger.
 constexpr double kLooseTolerance = 1000.0;
 
+// How far beyond the tolerance a single grain's error may be. In a flow some contact begins in every sub-step
+// and its corner would dictate everybody's step: measured on 512 spheres in dense flow, a largest error as
+// allowed costs 1.5 times the evaluations of a mean one at the same true error, with 10 still more than with
+// 100.
+constexpr double kWorstGrain = 100.0;
+
 constexpr std::int32_t kOwnersPerPiece = 512;  // handed to a thread at a time
 
 /// std::max would drop a NaN that comes second.
@@ -41,7 +48,10 @@ void raise(double& largest, double value) {
 /// Longest trial that what was seen allows, s.
 double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) const {
   double bound = std::numeric_limits<double>::infinity();
-  if (seen.urgency > 0.0) bound = integrator.contactTimeFraction * contactTimeOfUrgency(seen.urgency);
+  if (seen.urgency > 0.0) {
+    bound = integrator.contactTimeFraction * contactTimeOfUrgency(seen.urgency) * stepper->dampingLimit() /
+            kRkf45.dampingLimit;
+  }
   if (seen.largestSpeed > 0.0) {
     bound = std::min(bound, kLargestMove * evaluation.layout().smallestRadius / seen.largestSpeed);
   }
@@ -57,30 +67,39 @@ double GranularSystem::Impl::eventBound() const {
   return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
 }
 
-/// Largest error of the trial over what is allowed: way of the fastest-moving surface point, in tolerance
-/// times the smallest radius; 0 from a stepper that has no estimate. NaN if anything is not finite.
+/// Error of the trial over what is allowed, in tolerance times the smallest radius: way of the fastest-moving
+/// surface point of an owner; of grains the root mean square, but no single one off by more than kWorstGrain
+/// times as much; of bodies the largest. 0 from a stepper that has no estimate. NaN if anything is not
+/// finite.
 double GranularSystem::Impl::scaledError() {
   const detail::Layout& layout = evaluation.layout();
   const bool isEstimated = stepper->errorOrder() > 0;
   const std::vector<double>& numbers = isEstimated ? stepper->error() : stepper->result();
   const std::int32_t pieces = Executor::pieceCount(layout.dynamicCount(), kOwnersPerPiece);
-  worstInPiece.assign(pieces, 0.0);
+  errorOfPiece.assign(pieces, {});
   evaluation.executor().forPieces(pieces, [&](std::int32_t piece) {
     const std::int32_t end = std::min(layout.dynamicCount(), (piece + 1) * kOwnersPerPiece);
+    ErrorOfPiece& error = errorOfPiece[piece];
     for (std::int32_t o = piece * kOwnersPerPiece; o < end; ++o) {
       const detail::Owner& owner = layout.owners[o];
       const double* own = numbers.data() + o * state::kSize;
       const auto size3 = [&](int place) { return Eigen::Map<const Vector3>(own + place).norm(); };
       const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(own + state::kOrientation).norm();
       const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
-      const double way = size3(state::kPosition) + turn * owner.reach;
       const double speed = size3(state::kVelocity) + spin * owner.reach;
-      raise(worstInPiece[piece], way);
-      raise(worstInPiece[piece], contactTimeAtReference * speed);
+      double way = size3(state::kPosition) + turn * owner.reach;
+      raise(way, contactTimeAtReference * speed);
+      const bool isGrain = o < layout.dynamicGrains;
+      raise(error.largest, isGrain ? way / kWorstGrain : way);
+      if (isGrain) error.sumOfSquares += way * way;
     }
   });
-  double way = 0.0;
-  for (const double worst : worstInPiece) raise(way, worst);
+  double way = 0.0, sumOfSquares = 0.0;
+  for (const ErrorOfPiece& error : errorOfPiece) {
+    raise(way, error.largest);
+    sumOfSquares += error.sumOfSquares;
+  }
+  if (layout.dynamicGrains > 0) raise(way, std::sqrt(sumOfSquares / layout.dynamicGrains));
   if (!isEstimated) return std::isfinite(way) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   return way / (integrator.tolerance * layout.smallestRadius);
 }

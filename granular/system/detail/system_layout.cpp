@@ -93,8 +93,11 @@ void GranularSystem::Impl::makeLayout() {
       owner.kind = OwnerKind::Body;
       owner.index = b;
       owner.particles = record.particles;
-      owner.areas = record.covering.areas;
+      owner.pieces = record.covering.pieces;
+      owner.firstPiece = record.firstPiece;
       if (record.exact) owner.exact = &*record.exact;
+      owner.exactPose = record.exactPose;
+      owner.exactUse = record.exactUse;
       owner.reach = record.reach;
       owner.material = record.material.index;
       owner.filter = record.filter;

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: MIT
+// What the core makes of the tick, what Bullet's solver adds, and the result written back. Facts about Bullet
+// that the code leans on were read from the source of 3.24.
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bullet_bridge/convert.h"
+#include "bullet_bridge/layer.h"
+#include "bullet_bridge/pose_algebra.h"
+
+namespace bullet_bridge {
+inline namespace BULLET_BRIDGE_PRECISION {
+namespace detail {
+namespace {
+
+using granular::BodyMotion;
+using granular::Pose;
+using granular::RigidMotion;
+using granular::Vector3;
+
+bool isFinite(const RigidMotion& m) {
+  return m.pose.position.allFinite() && m.pose.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
+         m.angularVelocity.allFinite();
+}
+
+/// What a program sets while running is not refused; numbers that mean nothing are not taken.
+bool isUsable(const BodySettings& s) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  return positive(s.mass) && std::all_of(s.principalInertia.begin(), s.principalInertia.end(), positive) &&
+         s.linearFactor.allFinite() && s.angularFactor.allFinite();
+}
+
+/// What Bullet's solver adds to the velocity for the total force and torque (initSolverBody), in its own
+/// arithmetic.
+btVector3 forceImpulse(const btRigidBody& body, btScalar dt) {
+  return body.getTotalForce() * body.getInvMass() * dt;
+}
+btVector3 torqueImpulse(const btRigidBody& body, btScalar dt) {
+  return body.getTotalTorque() * body.getInvInertiaTensorWorld() * dt;
+}
+
+/// now - expected, or zero where the two differ by rounding alone: a Bullet compiled with fused multiply-add
+/// need not give the bits that we expect of it.
+Vector3 changeOf(const btVector3& now, const btVector3& expected, const btVector3& added) {
+  const double noise =
+      8.0 * std::numeric_limits<btScalar>::epsilon() * double(expected.length() + added.length());
+  const Vector3 change = fromBullet(now) - fromBullet(expected);
+  return change.norm() <= noise ? Vector3::Zero() : change;
+}
+
+void add(granular::StepReport& sum, const granular::StepReport& tick) {
+  granular::StepReport total = tick;
+  total.flags = sum.flags | tick.flags;
+  total.subSteps += sum.subSteps;
+  total.rejectedTrials += sum.rejectedTrials;
+  total.evaluations += sum.evaluations;
+  total.listRebuilds += sum.listRebuilds;
+  total.quarantined += sum.quarantined;
+  if (sum.subSteps > 0) {
+    total.shortestSubStep = std::min(sum.shortestSubStep, tick.shortestSubStep);
+    total.longestSubStep = std::max(sum.longestSubStep, tick.longestSubStep);
+    total.largestOverlap = std::max(sum.largestOverlap, tick.largestOverlap);
+  }
+  for (std::size_t i = 0; i < total.stageSeconds.size(); ++i) total.stageSeconds[i] += sum.stageSeconds[i];
+  sum = total;
+}
+
+}  // namespace
+
+void Layer::switchSweepsOff() {
+  for (CoveredBody& covered : bodies_) {
+    covered.sweepThreshold = covered.body->getCcdMotionThreshold();
+    covered.body->setCcdMotionThreshold(0);
+  }
+}
+
+void Layer::switchSweepsOn() {
+  for (CoveredBody& covered : bodies_) covered.body->setCcdMotionThreshold(covered.sweepThreshold);
+}
+
+void Layer::step(btScalar dt) {
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion == BodyMotion::Dynamic) prepareDynamic(covered);
+  }
+  BT_PROFILE("granular: integrate grains and bodies");
+  add(report_, system_.step(dt));
+  lastTick_ = dt;
+}
+
+void Layer::prepareDynamic(CoveredBody& covered) {
+  const btRigidBody& body = *covered.body;
+  covered.held = !body.isActive();
+  RigidMotion motion = system_.bodyMotion(covered.id);
+  covered.startPose = motion.pose;
+  if (covered.held && !(motion.velocity.isZero(0.0) && motion.angularVelocity.isZero(0.0))) {
+    system_.setBodyMotion(covered.id, {.pose = motion.pose});
+  }
+  const BodySettings settings = settingsOf(covered, covered.held);
+  if (!(settings == covered.settings) && isUsable(settings)) {
+    system_.setBodyMass(covered.id, settings.mass, settings.principalInertia);
+    system_.setBodyFactors(covered.id, settings.linearFactor, settings.angularFactor);
+    covered.settings = settings;
+  }
+  applyLoad(covered);
+}
+
+/// Bullet's total force holds gravity, added once per stepSimulation in Bullet's arithmetic
+/// (btRigidBody::applyGravity). The core has gravity as an acceleration of its own; the load is the rest,
+/// exactly zero if there is none. It acts where the program said, Bullet's origin of the body being its
+/// centre.
+void Layer::applyLoad(CoveredBody& covered) {
+  const btRigidBody& body = *covered.body;
+  const btVector3 gravityForce =
+      body.getGravity() * (btScalar(1) / body.getInvMass()) * body.getLinearFactor();
+  granular::Wrench load;
+  if (!covered.held) {
+    const Vector3 lever = covered.startPose.orientation * leverOf(covered);
+    load.force = fromBullet(body.getTotalForce()) - fromBullet(gravityForce);
+    load.torque = fromBullet(body.getTotalTorque()) - lever.cross(load.force);
+  }
+  const Vector3 gravity = fromBullet(body.getGravity());
+  if (!gravity.allFinite() || !load.force.allFinite() || !load.torque.allFinite()) return;
+  system_.setBodyGravity(covered.id, gravity);
+  system_.setBodyLoad(covered.id, load);
+}
+
+/// Each body as it was at the start of the tick, about its true centre of mass.
+void Layer::showMassFrames() {
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic || !covered.momentsPerMass) continue;
+    massFrames_.show(*covered.body, covered.startPose, toBullet(covered.settings.inverseInertia));
+  }
+  massFrames_.showJoints(world_, [this](const btRigidBody& body) -> const Pose* {
+    const CoveredBody* covered = find(&body);
+    const bool shown = covered && covered->make.motion == BodyMotion::Dynamic && covered->momentsPerMass;
+    return shown ? &covered->coreFrame : nullptr;
+  });
+}
+
+/// Gives Bullet's solver the velocity that, with what the solver itself adds for the total force, is the mean
+/// one. The gyroscopic term is in the core; Bullet would count it again (its flag is on by default).
+void Layer::offerMeanMotion(btScalar dt) {
+  showMassFrames();
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    btRigidBody& body = *covered.body;
+    const btVector3 added = forceImpulse(body, dt);
+    const btVector3 turned = torqueImpulse(body, dt);
+    covered.meanAngularVelocity.setZero();
+    if (!covered.held) {
+      const Pose end = system_.bodyMotion(covered.id).pose;
+      covered.meanAngularVelocity = turnBetween(covered.startPose.orientation, end.orientation) / double(dt);
+      body.setLinearVelocity(toBullet(Vector3((end.position - covered.startPose.position) / double(dt))) -
+                             added);
+      body.setAngularVelocity(toBullet(covered.meanAngularVelocity) - turned);
+    }
+    covered.flags = body.getFlags();
+    body.setFlags(covered.flags &
+                  ~(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT | BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD |
+                    BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY));
+    covered.offered = stateOf(body);
+    covered.expectedVelocity = covered.offered.velocity + added;
+    covered.expectedAngularVelocity = covered.offered.angularVelocity + turned;
+  }
+}
+
+void Layer::takeCorrections() {
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    btRigidBody& body = *covered.body;
+    body.setFlags(covered.flags);
+    covered.velocityCorrection.setZero();
+    covered.angularVelocityCorrection.setZero();
+    covered.push = {};
+    if (!body.isActive()) continue;  // its island sleeps: Bullet solved nothing
+    const BulletState now = stateOf(body);
+    const BulletState& offered = covered.offered;
+    covered.velocityCorrection = changeOf(now.velocity, covered.expectedVelocity, offered.velocity);
+    covered.angularVelocityCorrection =
+        changeOf(now.angularVelocity, covered.expectedAngularVelocity, offered.angularVelocity);
+    if (isSame(now.transform, offered.transform)) continue;
+    const Pose before = fromBullet(offered.transform);
+    const Pose after = fromBullet(now.transform);
+    covered.push = {.position = after.position - before.position,
+                    .orientation = (after.orientation * before.orientation.conjugate()).normalized()};
+  }
+  massFrames_.hide();
+  noteSolved();
+}
+
+/// Bullet's frame again, for what reads and changes velocities before `store`: actions of the program.
+void Layer::noteSolved() {
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    btRigidBody& body = *covered.body;
+    const bool wasShown = !covered.held || body.isActive();  // a sleeper's velocity is still its owner's
+    if (covered.momentsPerMass && wasShown) {
+      const Vector3 lever = covered.startPose.orientation * leverOf(covered);
+      body.setLinearVelocity(toBullet(Vector3(fromBullet(body.getLinearVelocity()) -
+                                              fromBullet(body.getAngularVelocity()).cross(lever))));
+    }
+    covered.solved = stateOf(body);
+  }
+}
+
+/// Impulses that actions gave after the solver: Bullet makes them part of the next tick's motion.
+bool Layer::addActions(const CoveredBody& covered, RigidMotion& motion) const {
+  const BulletState now = stateOf(*covered.body);
+  const bool sameVelocity = isSame(now.velocity, covered.solved.velocity);
+  const bool sameSpin = isSame(now.angularVelocity, covered.solved.angularVelocity);
+  if ((sameVelocity && sameSpin) || !isFinite(now)) return false;
+  RigidMotion frame = bulletMotion(covered, motion);
+  frame.velocity += fromBullet(now.velocity) - fromBullet(covered.solved.velocity);
+  frame.angularVelocity += fromBullet(now.angularVelocity) - fromBullet(covered.solved.angularVelocity);
+  motion = coreMotion(covered, frame);
+  return true;
+}
+
+bool isCorrected(const CoveredBody& covered) {
+  return !(covered.velocityCorrection.isZero(0.0) && covered.angularVelocityCorrection.isZero(0.0) &&
+           covered.push.position.isZero(0.0) && covered.push.orientation.vec().isZero(0.0));
+}
+
+/// (x1, v1) of the core plus what Bullet's joints and foreign contacts added; the turn from x0 is made in
+/// double and without Bullet's limit of an eighth of a turn per tick.
+RigidMotion Layer::correctedMotion(const CoveredBody& covered, double dt) const {
+  RigidMotion motion = system_.bodyMotion(covered.id);
+  const Vector3& dv = covered.velocityCorrection;
+  const Vector3& dw = covered.angularVelocityCorrection;
+  motion.pose.position += dv * dt + covered.push.position;
+  motion.velocity += dv;
+  motion.angularVelocity += dw;
+  motion.pose.orientation = (turnBy((covered.meanAngularVelocity + dw) * dt) * covered.push.orientation *
+                             covered.startPose.orientation)
+                                .normalized();
+  return motion;
+}
+
+void Layer::store(btScalar dt) {
+  BT_PROFILE("granular: store");
+  for (CoveredBody& covered : bodies_) {
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    const bool active = covered.body->isActive();
+    if (covered.held && !active) continue;
+    RigidMotion motion = system_.bodyMotion(covered.id);
+    const bool corrected = isCorrected(covered);
+    if (corrected) motion = correctedMotion(covered, dt);
+    const bool pushed = addActions(covered, motion);
+    if (!active) motion.velocity = motion.angularVelocity = Vector3::Zero();  // fell asleep in this tick
+    if (!isFinite(motion)) motion = {.pose = covered.startPose};
+    if (corrected || !active || pushed) system_.setBodyMotion(covered.id, motion);
+    write(covered, motion);
+  }
+}
+
+/// Transform last: it copies the velocities into what motion states are extrapolated from.
+void Layer::write(CoveredBody& covered, const RigidMotion& core) {
+  const RigidMotion motion = bulletMotion(covered, core);
+  btRigidBody& body = *covered.body;
+  body.setLinearVelocity(toBullet(motion.velocity));
+  body.setAngularVelocity(toBullet(motion.angularVelocity));
+  body.setCenterOfMassTransform(toBullet(motion.pose));
+  covered.written = stateOf(body);
+}
+
+}  // namespace detail
+}  // namespace BULLET_BRIDGE_PRECISION
+}  // namespace bullet_bridge
