@@ -236,7 +236,7 @@ class Runner {
     const StopWatch watch;
     try {
       for (const auto& film : files_.pictures->writeFilms()) result_.outputs.push_back(film);
-    } catch (const std::runtime_error& error) {
+    } catch (const std::exception& error) {  // no ffmpeg; a resumed run without its first frames
       result_.filmProblem = error.what();
     }
     result_.pictureSeconds += watch.seconds();

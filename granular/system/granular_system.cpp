@@ -364,6 +364,8 @@ BodyDef GranularSystem::bodyDef(BodyId id) const {
   return {.motion = record.motionType,
           .covering = record.covering,
           .exact = record.exact,
+          .exactPose = record.exactPose,
+          .exactUse = record.exactUse,
           .material = record.material,
           .mass = record.mass,
           .principalInertia = record.inertia,

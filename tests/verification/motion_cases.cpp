@@ -349,6 +349,37 @@ std::vector<Check> angularMomentum() {
 }
 
 // ---------------------------------------------------------------------------------------------------------
+// order on an impact
+
+/// Rms error of the restitution of a damped linear impact, whose e is known, at `steps` sub-steps a contact,
+/// over impacts that begin at different moments of a sub-step.
+double errorOfImpact(Stepper stepper, int steps) {
+  constexpr double kAsked = 0.5, kTime = 1e-3, kSpeed = 1.0;
+  constexpr int kPhases = 24;
+  const double h = kTime / steps;
+  double sum = 0.0;
+  for (int phase = 0; phase < kPhases; ++phase) {
+    ImpactDef def{
+        .pair = {.restitution = kAsked, .normal = {.law = NormalLaw::LinearSpring, .contactTime = kTime}},
+        .velocity = {0.0, -kSpeed, 0.0},
+        .integrator = {.stepper = stepper, .fixedSubStep = h},
+        .step = kTime};
+    def.gap += kSpeed * h * phase / kPhases / def.ball.radius;
+    const double error = simulateImpact(def).restitution - kAsked;
+    sum += error * error;
+  }
+  return std::sqrt(sum / kPhases);
+}
+
+/// The damper jumps in at first touch, and that caps every stepper at the first order (VERIFICATION.md, sec.
+/// 3): the error halves with the sub-step, for those of high order too.
+std::vector<Check> orderOnAnImpact(Stepper stepper) {
+  const double coarse = errorOfImpact(stepper, 50), fine = errorOfImpact(stepper, 400);
+  return {absolute("error of e at 400 sub-steps a contact", 0.0, fine, 0.01),
+          absolute("order", 1.0, std::log2(coarse / fine) / 3.0, 0.2)};
+}
+
+// ---------------------------------------------------------------------------------------------------------
 // gas
 
 // Settings that keep the energy of the gas; an impact there is about a twentieth of a radius deep and takes
@@ -437,6 +468,9 @@ void addMotionCases(CaseList& cases) {
   }
   add("wrenches-balance", wrenchesBalance);
   add("angular-momentum-falls-with-tolerance", angularMomentum);
+  for (const StepperSettings& s : everyStepper(1e-5)) {
+    add("order-on-an-impact." + s.name, [=] { return orderOnAnImpact(s.integrator.stepper); });
+  }
   add("elastic-gas.rkf45.5000-collisions", [] { return elasticGas(kGasByRkf45, 5000); });
   add("elastic-gas.leapfrog.5000-collisions", [] { return elasticGas(kGasByLeapfrog, 5000); });
   add("elastic-gas.rkf45.100000-collisions", [] { return elasticGas(kGasByRkf45, 100000); });

@@ -17,8 +17,9 @@ double ballVolume(double radius) {
   return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
 }
 
+/// Of an exact ball that grains meet; null: there is none.
 const double* exactRadius(const BodyDef& body) {
-  if (!body.exact) return nullptr;
+  if (!body.exact || body.exactUse != ExactUse::Everything) return nullptr;
   const auto* ball = std::get_if<ExactSphere>(&*body.exact);
   return ball ? &ball->radius : nullptr;
 }
@@ -93,8 +94,9 @@ void LammpsModel::addBodies() {
     const BodyDef body = system_.bodyDef(id);
     noteBody(id, body);
     addBody(body);
-    exact += body.exact.has_value();
-    dynamicExact += body.exact && body.motion == BodyMotion::Dynamic;
+    const bool isMet = body.exact && body.exactUse == ExactUse::Everything;
+    exact += isMet;
+    dynamicExact += isMet && body.motion == BodyMotion::Dynamic;
   }
   if (dynamicExact > 0 && exact > 1) note("exact surfaces meet one another, which they do not here");
   for (auto& [atom, side] : exactSpheres_) addAtom(std::move(atom), side);
@@ -112,13 +114,13 @@ void LammpsModel::addBody(const BodyDef& body) {
   std::size_t count = body.covering.radii.size();
   if (const double* radius = exactRadius(body)) {
     volume += ballVolume(*radius);
-    reach = std::max(reach, *radius);
+    reach = std::max(reach, body.exactPose.position.norm() + *radius);
     ++count;
   }
   const bool isRigid = isDynamic && count > 1;
   if (isRigid) rigidBodies.push_back({body.mass, motion, body.principalInertia, reach});
-  if (isDynamic && count == 1) {  // LAMMPS's rigid bodies have two atoms at least
-    const double inertia = 0.4 * body.mass * reach * reach;
+  if (isDynamic && count == 1) {                             // LAMMPS's rigid bodies have two atoms at least
+    const double inertia = 0.4 * body.mass * reach * reach;  // a ball's, if its centre is the body's
     if ((body.principalInertia - Vector3::Constant(inertia)).norm() > kSameInertia * inertia) {
       note("dynamic bodies of a single particle turn as balls of that size and the body's mass do");
     }
@@ -141,15 +143,20 @@ void LammpsModel::addBody(const BodyDef& body) {
 }
 
 void LammpsModel::addExactSurface(const BodyDef& body, std::int64_t molecule, double density) {
+  if (body.exactUse != ExactUse::Everything) {
+    note("exact surfaces that are for other bodies only are left out");
+    return;
+  }
   const bool isDynamic = body.motion == BodyMotion::Dynamic;
   const bool moves = body.velocity != Vector3::Zero() || body.angularVelocity != Vector3::Zero();
   if (!isDynamic && moves) note("exact surfaces of kinematic bodies stand still");
   if (std::holds_alternative<HalfSpace>(*body.exact)) {
-    walls.push_back({body.material, body.pose.position, body.pose.orientation * Vector3::UnitY()});
+    walls.push_back({body.material, body.pose.toWorld(body.exactPose.position),
+                     body.pose.orientation * (body.exactPose.orientation * Vector3::UnitY())});
   } else if (const double* radius = exactRadius(body)) {
     const RigidMotion motion{body.pose, isDynamic ? body.velocity : Vector3(Vector3::Zero()),
                              isDynamic ? body.angularVelocity : Vector3(Vector3::Zero())};
-    LammpsAtom atom = atomOf(motion, Vector3::Zero(), *radius, density);
+    LammpsAtom atom = atomOf(motion, body.exactPose.position, *radius, density);
     atom.molecule = molecule;
     exactSpheres_.emplace_back(std::move(atom),
                                Side{body.material,
