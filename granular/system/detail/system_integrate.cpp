@@ -31,9 +31,9 @@ constexpr double kEventApproach = 0.2;
 constexpr double kLooseTolerance = 1000.0;
 
 // How far beyond the tolerance a single grain's error may be. In a flow some contact begins in every sub-step
-// and its corner would dictate everybody's step: measured on 512 spheres in dense flow, a largest error as
-// allowed costs 1.5 times the evaluations of a mean one at the same true error, with 10 still more than with
-// 100.
+// and its corner would dictate everybody's step: in a stirred flow of 512 spheres RKF45 at a true error of
+// 1e-4 radii took 548 evaluations with the largest error as the measure, 343 with the mean one and this; in a
+// gentle dam break 142 and 172.
 constexpr double kWorstGrain = 100.0;
 
 constexpr std::int32_t kOwnersPerPiece = 512;  // handed to a thread at a time
