@@ -63,7 +63,7 @@ FinishedRun runToTheEnd(const std::string& name, const std::string& scale,
                         const SavedState* state = nullptr) {
   SceneDef scene = readSceneFile(findScene(name), scale, state ? state->document : "");
   scene.outputs.pictures = false;
-  return runScene(scene, {.threads = 2, .state = state});
+  return runScene(scene, {.state = state, .threads = 2});
 }
 
 void expectOutcome(const FinishedRun& run) {
@@ -89,7 +89,7 @@ double valueOf(const FinishedRun& run, const std::string& name) {
 TEST(PaperScales, CanBeBuilt) {
   for (const char* name : {"hourglass", "rings", "splash", "avalanche"}) {
     BuiltScene scene(readSceneFile(findScene(name), "paper"), 2);
-    EXPECT_EQ(scene.grains().measure().energy.elastic, 0.0) << name;
+    EXPECT_LT(scene.grains().measure().energy.elastic, 1e-30) << name;  // by rounding, where bodies touch
   }
 }
 

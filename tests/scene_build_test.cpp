@@ -311,8 +311,9 @@ TEST_P(ShippedScenes, BuildWithoutOverlapOfGrains) {
   BuiltScene scene(readSceneFile(findScene(GetParam().name), GetParam().scale), 2);
   EXPECT_GT(scene.grains().particleCount(), 0);
   const granular::StepReport state = scene.grains().measure();
-  // Bodies may be placed on one another; grains start free of contact, so nothing is stored in them.
-  EXPECT_EQ(state.energy.elastic, 0.0);
+  // Grains start free of contact, so nothing is stored in them. Bodies that are drawn face to face may touch
+  // by a rounding of their positions, 1e-16 m: some 1e-34 J.
+  EXPECT_LT(state.energy.elastic, 1e-30);
 }
 
 TEST_P(ShippedScenes, AreNamedAfterTheirFiles) {

@@ -11,6 +11,9 @@ if(NOT GRANULAR_MESH_FILES)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/granular DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h" PATTERN detail EXCLUDE ${left_out})
+# The one detail that public headers hold by value.
+install(FILES ${PROJECT_SOURCE_DIR}/granular/geometry/detail/lattice_hash.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/granular/geometry/detail)
 
 if(GRANULAR_BRIDGE)
   set(bridge granularBridge_${GRANULAR_BULLET_PRECISION})
