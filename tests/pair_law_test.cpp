@@ -153,7 +153,7 @@ TEST(RegularisedCoulomb, NeverExceedsMuTimesNormal) {
       EXPECT_LE(friction.dot(Vt), 0.0);
     }
   }
-  EXPECT_EQ(RegularisedCoulomb::force(c, 1.0, Vector3::Zero()), Vector3::Zero());
+  EXPECT_EQ(RegularisedCoulomb::force(c, 1.0, Vector3(Vector3::Zero())), Vector3::Zero());
 }
 
 TEST(StaticFriction, IsASpringUpToTheCoulombLimit) {
