@@ -17,6 +17,8 @@ template <class... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
 };
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
 
 /// Away from `center`, or anywhere if p is there.
 SurfaceDistance ofBall(const Vector3& p, const Vector3& center, double radius) {
