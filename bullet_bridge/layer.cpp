@@ -215,6 +215,7 @@ granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyD
   granular::CoverDef cover;
   cover.offset = def.offset;
   cover.density = def.density;
+  cover.sheetThickness = def.sheetThickness;
   cover.seed = def.seed;
   cover.particleRadius = def.particleRadius > 0.0 ? def.particleRadius : defaultParticleRadius(parts);
   const double grain = smallestGrainParticle(system_);

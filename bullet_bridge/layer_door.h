@@ -72,6 +72,9 @@ struct CoverBodyDef {
   std::optional<double> offset = std::nullopt;
   /// As granular::CoverDef::density; default: no hole that lets a grain through.
   std::optional<double> density = std::nullopt;
+  /// Of open surfaces of static and kinematic bodies, m, > 0: covered on both sides, as a sheet this thick.
+  /// None: small gaps are closed, and what then is no solid is refused.
+  std::optional<double> sheetThickness = std::nullopt;
   std::uint64_t seed = 1;
 
   MassSource mass = MassSource::Solid;

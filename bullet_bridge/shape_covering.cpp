@@ -72,8 +72,10 @@ Covering coverParts(const std::vector<ShapePart>& parts, const CoverDef& def,
   Covering all;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     CoverReport report;
-    Covering covering = parts[i].kind == PartKind::Ground ? coverGround(parts[i], def, report)
-                                                          : granular::coverMesh(parts[i].mesh, def, &report);
+    CoverDef own = def;
+    if (parts[i].kind != PartKind::Sheet) own.sheetThickness.reset();
+    Covering covering = parts[i].kind == PartKind::Ground ? coverGround(parts[i], own, report)
+                                                          : granular::coverMesh(parts[i].mesh, own, &report);
     granular::keepOnly(covering, [&](const Vector3& p, double) {
       return std::none_of(solids.begin(), solids.end(), [&](const auto& solid) {
         return solid.first != i && solid.second.nearest(p).signedDistance < deepest;

@@ -4,6 +4,7 @@
 // distances to its faces (planes, or the mantle of a solid of revolution), which is what the cases give.
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleMesh.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
@@ -251,6 +252,25 @@ TEST(CoverBody, CoversAHeightfieldThatHoldsAGrainAtItsHeight) {
   const double height = sand.grainMotions()[grain.index].pose.position.y();
   EXPECT_LT(height, 0.051);
   EXPECT_GT(height, 0.05 - (2.0 - std::sqrt(4.0 - 1.5 * 1.5)) * 0.05 - 0.001);
+}
+
+TEST(CoverBody, CoversAnOpenMeshAsASheetOfTheThicknessAskedFor) {
+  btTriangleMesh mesh;  // a square of 1 m that faces up
+  SandScene scene;
+  mesh.addTriangle(vec(-0.5, 0, -0.5), vec(-0.5, 0, 0.5), vec(0.5, 0, 0.5));
+  mesh.addTriangle(vec(-0.5, 0, -0.5), vec(0.5, 0, 0.5), vec(0.5, 0, -0.5));
+  auto& open = scene.shape<btBvhTriangleMeshShape>(&mesh, true);
+  btRigidBody& body = scene.body(0, open, at(0, 0, 0));
+  EXPECT_THROW(scene.world->coverBody(body, {.particleRadius = 0.04}), std::invalid_argument)
+      << "no solid, and no sheet was asked for";
+  scene.world->coverBody(body, {.particleRadius = 0.04, .sheetThickness = 0.02});
+  std::vector<granular::ParticleView> particles;
+  scene.world->grains().readParticles(particles);
+  ASSERT_GT(particles.size(), 100u);
+  for (const granular::ParticleView& p : particles) {
+    EXPECT_LE(std::abs(p.position.y()), 0.01) << "centres lie within the sheet";
+    EXPECT_LE(std::max(std::abs(p.position.x()), std::abs(p.position.z())), 0.51);
+  }
 }
 
 TEST(CoverBody, RefusesAnOpenSurfaceForADynamicBody) {
