@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "granular/base/random.h"
 #include "granular/geometry/mesh_distance.h"
@@ -211,6 +213,17 @@ TEST(SignedDistanceBand, RefusesASpacingFarTooFine) {
                std::invalid_argument);
   EXPECT_THROW(SignedDistanceBand(distance, {.spacing = 0.1, .lower = 0.1, .upper = 0.0}),
                std::invalid_argument);
+}
+
+TEST(SignedDistanceBand, RefusesMoreVoxelsThanAllowed) {
+  const MeshDistance box(makeBox({1.0, 1.0, 1.0}));
+  const BandDef def{.spacing = 0.01, .lower = -0.02, .upper = 0.02, .maxVoxels = 10'000};
+  try {
+    const SignedDistanceBand band(box, def);
+    FAIL() << "six faces of 100 x 100 voxels, four deep, are more";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("BandDef.maxVoxels"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

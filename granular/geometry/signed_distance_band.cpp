@@ -2,6 +2,7 @@
 #include "granular/geometry/signed_distance_band.h"
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "granular/base/require.h"
@@ -86,6 +87,9 @@ void SignedDistanceBand::findBlocks(const DistanceFunction& distance, int i, int
   if (edge == 1) {
     index_.findOrInsert(detail::latticeKey(i, j, k), static_cast<std::int32_t>(blocks_.size()));
     blocks_.push_back({i, j, k, {}});
+    constexpr std::int64_t kVoxelsPerBlock = std::int64_t{kBlockEdge} * kBlockEdge * kBlockEdge;
+    require(std::ssize(blocks_) * kVoxelsPerBlock <= def_.maxVoxels, "BandDef.maxVoxels", def_.maxVoxels, "",
+            "at least the voxels of the band, which are more: raise it, or spacing");
     return;
   }
   const int half = edge / 2;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -21,8 +22,9 @@ struct BandDef {
   double spacing = 0.0;  ///< between nodes, m, > 0; about the particle radius
   double lower =
       0.0;  ///< the band holds every point whose distance is between lower and upper, m, negative inside
-  double upper = 0.0;  ///< m, >= lower
-  int threads = 1;     ///< any number gives the same bits
+  double upper = 0.0;                    ///< m, >= lower
+  int threads = 1;                       ///< any number gives the same bits
+  std::int64_t maxVoxels = 200'000'000;  ///< some 8 bytes each; more are refused before any is sampled
 };
 
 /// Value and gradient of the distance at a point.
@@ -38,7 +40,7 @@ class SignedDistanceBand {
   using DistanceFunction = std::function<double(const Vector3&)>;
 
   /// Throws std::invalid_argument for a bad def, or if the grid would need more than 2^19 blocks along an
-  /// axis.
+  /// axis, or more than maxVoxels.
   SignedDistanceBand(const MeshDistance& mesh, const BandDef& def);
   /// `bounds` holds the part of the band that is wanted.
   SignedDistanceBand(const DistanceFunction& distance, const Box& bounds, const BandDef& def);
