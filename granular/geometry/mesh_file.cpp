@@ -318,7 +318,7 @@ template <class Item>
 void appendBytes(const std::vector<Item>& items, std::string& bytes) {
   const std::uint64_t count = items.size();
   bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-  bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(Item));
+  if (count > 0) bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(Item));
 }
 
 template <class Item>
@@ -326,7 +326,8 @@ std::vector<Item> takeBytes(std::string_view& bytes) {
   std::uint64_t count = 0;
   std::memcpy(&count, bytes.data(), sizeof count);
   std::vector<Item> items(count);
-  std::memcpy(static_cast<void*>(items.data()), bytes.data() + sizeof count, count * sizeof(Item));
+  if (count > 0)
+    std::memcpy(static_cast<void*>(items.data()), bytes.data() + sizeof count, count * sizeof(Item));
   bytes.remove_prefix(sizeof count + count * sizeof(Item));
   return items;
 }
