@@ -15,7 +15,7 @@ using granular::RememberedContact;
 using granular::RigidMotion;
 
 constexpr const char* kFormat = "granular-state";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::size_t kMotionSize = 13;
 
 void addMotion(Json& numbers, const RigidMotion& m) {
@@ -110,7 +110,7 @@ void readBodies(JsonObject object, SavedState& state) {
   object.finish();
 }
 
-// Numbers a remembered contact: kind, index, local of both owners, displacement, energy, slides.
+// Numbers a remembered contact: kind, index, local of both owners, displacement, stiffness, slides.
 constexpr std::size_t kMemorySize = 11;
 
 Json memoryOf(const SavedState& state) {
@@ -122,7 +122,7 @@ Json memoryOf(const SavedState& state) {
       numbers.push_back(c.local[side]);
     }
     for (int i = 0; i < 3; ++i) numbers.push_back(c.displacement[i]);
-    numbers.push_back(c.energy);
+    numbers.push_back(c.stiffness);
     numbers.push_back(c.slides ? 1 : 0);
   }
   return {{"bodyNames", state.bodyNames}, {"contacts", numbers}};
@@ -144,7 +144,7 @@ void readMemory(JsonObject object, SavedState& state) {
       contact.local[side] = static_cast<std::int32_t>(own[2]);
     }
     contact.displacement = {n[i + 6], n[i + 7], n[i + 8]};
-    contact.energy = n[i + 9];
+    contact.stiffness = n[i + 9];
     contact.slides = n[i + 10] != 0.0;
     state.memory.push_back(contact);
   }
@@ -208,7 +208,7 @@ SavedState readState(const std::filesystem::path& file) {
     throw SceneError(file.string(), "", "not a state file: \"format\" is not \"granular-state\"");
   JsonObject object({&json, file.string(), ""});
   if (object.integer("version", 1, std::numeric_limits<int>::max(), 1) != kVersion)
-    object.at("version").fail("1, the version this program reads");
+    object.at("version").fail(std::to_string(kVersion) + ", the version this program reads");
   const std::string checksum = object.string("checksum");
   Json unsummed = json;
   unsummed.erase("checksum");

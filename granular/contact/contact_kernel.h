@@ -18,22 +18,24 @@ struct ContactGeometry {
   Vector3 point = Vector3::Zero();  ///< p = x1 + (R1 - xi/2) N, on a plane: the plane, m, world
   Vector3 V = Vector3::Zero();      ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
   Vector3 turning =
-      Vector3::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
-  bool slides = false;  ///< when the last sub-step was accepted; laws with memory only
-  bool isNew = false;   ///< begun within the present trial; laws with memory only
-  double memoryStep = 0.0;   ///< by how much D moves on, at the rate found here, before it pulls, s
-  double share = 1.0;        ///< times the law: area, m^2, for laws by area; else 1, or the slope of a distance
-  double shareGrowth = 0.0;  ///< how fast that grows with the overlap, of itself, 1/m
+      Vector3::Zero();      ///< angular velocity of the contact's own frame, rad/s; laws with memory only
+  bool slides = false;      ///< when the last sub-step was accepted; laws with memory only
+  bool isNew = false;       ///< begun within the present trial; laws with memory only
+  double memoryStep = 0.0;  ///< by how much D moves on, at the rate found here, before it pulls, s
+  double stiffnessBefore = 0.0;  ///< of the spring when the last sub-step was accepted, N/m; 0: not known
+  double share = 1.0;  ///< times the law: area, m^2, for laws by area; else 1, or the slope of a distance
+  double shareGrowth = 0.0;        ///< how fast that grows with the overlap, of itself, 1/m
   double meanSquareOverlap = 0.0;  ///< over the area, m^2; laws by area only
 };
 
 /// Memory of a contact (eq. 19) before and after the law has seen it.
 struct ContactMemory {
+  Vector3 rate = Vector3::Zero();          ///< of what the trial integrates for D, m/s
   Vector3 displacement = Vector3::Zero();  ///< D once the sub-step is accepted, m
-  Vector3 rate = Vector3::Zero();          ///< of D, m/s
+  Vector3 nextRate = Vector3::Zero();      ///< the rate with which the next trial begins, m/s
+  double stiffness = 0.0;                  ///< of the spring, N/m
   bool slides = false;                     ///< from then on
-  double energy = 0.0;                     ///< stored in the spring once the sub-step is accepted, J
-  double loss = 0.0;                       ///< energy given up when it is, J
+  double loss = 0.0;                       ///< energy given up when the sub-step is accepted, J
   double heating = 0.0;                    ///< what that adds to the dissipation at this moment, W
 };
 
@@ -66,8 +68,13 @@ ContactResultOf<Real> resultWithoutMemory(const NormalConstantsOf<Real>& normal,
           .normalForce = fn};
 }
 
-/// D, m: displacement that the contact remembers. memory: filled for laws that have one, may be null for
-/// others.
+/// Energy of a spring that remembers, J.
+inline double memoryEnergy(double stiffness, const Vector3& displacement) {
+  return 0.5 * stiffness * displacement.squaredNorm();
+}
+
+/// D, m: displacement that the contact remembers, times how much stiffer its spring has become since the last
+/// sub-step was accepted. memory: filled for laws that have one, may be null for others.
 template <class Normal, class Shear>
 ContactResult contactResult(const NormalConstants& normal, const ShearConstants& shear,
                             const ContactGeometry& g, const Vector3& D, ContactMemory* memory) {
@@ -82,9 +89,15 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
     const double kt = shear.stiffness > 0.0 ? shear.stiffness : shear.stiffnessRatio * kn;
     const double growth = (stiffnessPower<Normal>(shear) / g.xi + g.shareGrowth) * xiDot;  // kt' / kt
     const double friction = std::max(0.0, fn);
-    const auto rateOf = [&](const Vector3& d) -> Vector3 {
-      return Vt - std::max(0.0, growth) * d + g.turning.cross(d);
-    };
+    // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
+    // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
+    // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper. So D' = Vt - D kt'/kt
+    // while kt grows, which has no bound as a contact begins. Integrated is D kt/kt(before) instead, whose
+    // rate has one. Tests: ContactMemory.*.
+    memory->stiffness = g.share * kt;
+    const double stiffer =
+        g.stiffnessBefore > 0.0 ? std::max(1.0, memory->stiffness / g.stiffnessBefore) : 1.0;
+    const auto rateOf = [&](const Vector3& d) -> Vector3 { return stiffer * Vt + g.turning.cross(d); };
     Vector3 Dt = D - D.dot(g.N) * g.N;
     memory->rate = rateOf(Dt);
     if (g.memoryStep > 0.0) {
@@ -92,14 +105,13 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
       Dt += g.memoryStep * memory->rate;
       Dt -= Dt.dot(g.N) * g.N;
     }
+    Dt /= stiffer;
+    memory->nextRate = memory->rate / stiffer;
     const Vector3 Ft = Shear::force(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
-    // Differs from the paper, whose kt is constant: where kt grows with the overlap, a contact pressed deeper
-    // keeps its force, not its displacement, else it would give back more energy than it took (Elata &
-    // Berryman 1996). Test: Verification 4.spring-makes-no-energy-when-pressed-deeper.
     memory->slides = Shear::slides(shear, friction, kt, Vt, Dt, g.slides || g.isNew);
     memory->displacement = Shear::settled(shear, friction, kt, Vt, Dt, memory->slides);
-    memory->energy = 0.5 * g.share * kt * memory->displacement.squaredNorm();
-    memory->loss = 0.5 * g.share * kt * Dt.squaredNorm() - memory->energy;
+    memory->loss =
+        memoryEnergy(memory->stiffness, Dt) - memoryEnergy(memory->stiffness, memory->displacement);
     const auto heating = [&](const Vector3& d) {  // what the spring at d takes from the power of friction
       return kt * d.dot(Vt) - 0.5 * std::abs(growth) * kt * d.squaredNorm();
     };

@@ -514,7 +514,7 @@ std::vector<RememberedContact> GranularSystem::contactMemory() const {
 void GranularSystem::setContactMemory(const std::vector<RememberedContact>& memory) {
   for (const RememberedContact& contact : memory) {
     requireFinite(contact.displacement, "RememberedContact.displacement", "m");
-    requireNotNegative(contact.energy, "RememberedContact.energy", "J");
+    requireNotNegative(contact.stiffness, "RememberedContact.stiffness", "N/m");
   }
   impl_->givenMemory = memory;
   impl_->layoutIsOld = true;

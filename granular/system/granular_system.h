@@ -124,7 +124,7 @@ struct RememberedContact {
   std::int32_t index[2] = {-1, -1};        ///< GrainId::index or BodyId::index
   std::int32_t local[2] = {-1, -1};        ///< particle within the owner; -1: its exact surface
   Vector3 displacement = Vector3::Zero();  ///< D of eq. 19, of the first owner against the second, m, world
-  double energy = 0.0;                     ///< in its spring, J
+  double stiffness = 0.0;                  ///< of its spring, N/m
   bool slides = false;
 };
 

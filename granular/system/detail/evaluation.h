@@ -48,8 +48,9 @@ static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when 
 /// A contact that remembers (eq. 19); its displacement is in the state vector.
 struct MemoryEntry {
   std::int32_t rank1, rank2;
-  double energy;  ///< stored when the last sub-step was accepted, J
-  bool slides;    ///< then
+  double stiffness;  ///< of its spring when the last sub-step was accepted, N/m
+  double energy;     ///< in it, then, J
+  bool slides;       ///< then
 };
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.

@@ -222,6 +222,7 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
     if (entry >= 0) {
       D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
       g.slides = memory_[entry].slides;
+      g.stiffnessBefore = memory_[entry].stiffness;
       g.memoryStep = at.memoryStep;
     } else if (g.isNew = true;
                xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero

@@ -22,7 +22,7 @@ std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double
       contact.local[side] = slot < layout_.particleCount ? ranks[side] - owner.firstRank : -1;
     }
     contact.displacement = Eigen::Map<const Vector3>(y.data() + stateSize() + 3 * m);
-    contact.energy = memory_[m].energy;
+    contact.stiffness = memory_[m].stiffness;
     contact.slides = memory_[m].slides;
     memory.push_back(contact);
   }
@@ -54,7 +54,8 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
     // view.
     if (rank1 < 0 || rank2 < 0) continue;
     const bool swapped = rank2 < rank1;
-    known.push_back({{std::min(rank1, rank2), std::max(rank1, rank2), contact.energy, contact.slides},
+    known.push_back({{std::min(rank1, rank2), std::max(rank1, rank2), contact.stiffness,
+                      granular::memoryEnergy(contact.stiffness, contact.displacement), contact.slides},
                      swapped ? Vector3(-contact.displacement) : contact.displacement});
   }
   std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
@@ -88,10 +89,11 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
       heat += memory.loss;
       heating += memory.heating;
       memoryOfCandidate_[c] = static_cast<std::int32_t>(kept.size());
-      kept.push_back({rank, layout_.rankOfSlot[contacts_[n].slot2], memory.energy, memory.slides});
+      kept.push_back({rank, layout_.rankOfSlot[contacts_[n].slot2], memory.stiffness,
+                      granular::memoryEnergy(memory.stiffness, memory.displacement), memory.slides});
       for (int k = 0; k < 3; ++k) {
         displacements.push_back(memory.displacement[k]);
-        displacementRates.push_back(memory.rate[k]);
+        displacementRates.push_back(memory.nextRate[k]);
       }
     }
   }
