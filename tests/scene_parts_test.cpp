@@ -104,6 +104,24 @@ TEST(Joint, BreaksAboveIt) {
   EXPECT_EQ(scene.joints().brokenNames(), std::vector<std::string>{"weld"});
 }
 
+/// Velocity of the second of two blocks that reach 5 mm into one another, after ten ticks.
+double speedApart(double breakingForce, double approach) {
+  Json json = jointedPair(breakingForce);
+  json["largestStartOverlap"] = 10;
+  json["bodies"]["b"]["position"] = {0.095, 0, 0};
+  json["bodies"]["a"]["velocity"] = {approach, 0, 0};
+  json["bodies"]["b"]["velocity"] = {-approach, 0, 0};
+  json["joints"]["weld"]["touching"] = false;
+  BuiltScene scene(read(json), 1);
+  for (int i = 0; i < 10; ++i) scene.tick();
+  return static_cast<double>(scene.body("b").body->getLinearVelocity().x());
+}
+
+TEST(Joint, HoldsBodiesThatDoNotTouchOneAnotherUntilItBreaks) {
+  EXPECT_EQ(speedApart(1e9, 0.0), 0.0);
+  EXPECT_GT(speedApart(20.0, 0.5), 0.01);  // broken, then sprung apart
+}
+
 TEST(Joint, KeepsTheMomentumOfThePair) {
   Json json = jointedPair(1e9);
   json["bodies"]["b"]["velocity"] = {0.9, 0.4, 0};

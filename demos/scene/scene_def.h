@@ -241,6 +241,7 @@ struct JointPart {
   std::optional<Vector3> at;            ///< m, world, at the start; none: halfway between the bodies
   Vector3 axis = Vector3::UnitY();      ///< of a hinge, world, at the start
   std::optional<double> breakingForce;  ///< N, and N m of torque; none: never breaks
+  bool touching = true;                 ///< while joined; where it breaks they do in any case
 };
 
 // ---- meters: what a run measures of the outcome

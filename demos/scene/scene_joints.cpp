@@ -54,6 +54,7 @@ JointPart readJoint(const std::string& name, const JsonPlace& place, const std::
   }
   if (joint.kind == JointKind::hinge) joint.axis = object.direction("axis", joint.axis).normalized();
   joint.breakingForce = object.optionalNumber("breakingForce", Range::positive());
+  joint.touching = object.boolean("touching", joint.touching);
   object.finish();
   return joint;
 }

@@ -1,27 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "demos/world/body_covering.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "bullet_bridge/shape_covering.h"
 #include "granular/geometry/mesh_distance.h"
-#include "granular/geometry/mesh_primitives.h"
 #include "granular/geometry/surface_floaters.h"
 
 namespace granular_demo {
 namespace {
 
+using bullet_bridge::PartKind;
+using bullet_bridge::ShapePart;
 using granular::CoverDef;
 using granular::Covering;
 using granular::CoverReport;
 using granular::MeshDistance;
 using granular::TriangleMesh;
 
-// Floaters stop when they move by less than this, in particle radii. Ten times coarser than coverMesh's
-// default and ten times faster on a large floor (5 s instead of 60 s for 16,000 particles); holes are closed
-// all the same.
-constexpr double kConvergence = 0.02;
 constexpr double kRoughnessDensity = 0.3;
 constexpr int kRoughnessIterations = 100;  // enough for an even look; a sparse layer creeps on for long
 
@@ -32,50 +29,24 @@ CoverDef mainLayer(const CoveringPart& def, double smallestGrainRadius, int thre
   cover.density = def.layer.density;
   cover.offset = def.layer.offset;
   cover.smallestGrainRadius = smallestGrainRadius;
-  cover.convergence = kConvergence;
   cover.seed = def.seed;
   cover.threads = threads;
   return cover;
 }
 
-/// A plane patch is covered as the upper face of a slab thick enough that the lower face is out of reach.
-TriangleMesh slabUnder(const PlanePatchShape& patch, double thickness) {
-  TriangleMesh slab = granular::makeBox({patch.sizeX, thickness, patch.sizeZ});
-  for (Vector3& v : slab.vertices) v.y() -= 0.5 * thickness;
-  return slab;
-}
-
-Covering coverPatch(const PlanePatchShape& patch, const CoverDef& def, BodyCovering& result) {
-  const double depth = -def.offset.value_or(-def.particleRadius);
-  CoverReport report;
-  Covering covering = granular::coverMesh(
-      slabUnder(patch, 6.0 * def.particleRadius + 2.0 * std::max(0.0, depth)), def, &report);
-  granular::keepOnly(covering, [&](const Vector3& p, double r) { return p.y() > -depth - 0.5 * r; });
-  report.particleCount = static_cast<std::int64_t>(covering.positions.size());
-  result.reports.push_back(report);
-  return covering;
-}
-
-/// Particles on one part that lie inside another part would never be met.
-Covering coverParts(const BodySolid& solid, const CoverDef& def, BodyCovering& result) {
-  std::vector<MeshDistance> distances;
-  for (const TriangleMesh& part : solid.parts) distances.emplace_back(part);
-  const double deepest = std::min(0.0, def.offset.value_or(-def.particleRadius)) - 0.5 * def.particleRadius;
-  Covering all;
-  for (std::size_t i = 0; i < solid.parts.size(); ++i) {
-    CoverReport report;
-    Covering covering = granular::coverMesh(solid.parts[i], def, &report);
-    granular::keepOnly(covering, [&](const Vector3& p, double) {
-      for (std::size_t j = 0; j < distances.size(); ++j) {
-        if (j != i && distances[j].nearest(p).signedDistance < deepest) return false;
-      }
-      return true;
-    });
-    report.particleCount = static_cast<std::int64_t>(covering.positions.size());
-    result.reports.push_back(report);
-    granular::append(all, covering);
+/// What is to be covered, in the bridge's terms: a plane patch is ground, which is met from above.
+std::vector<ShapePart> partsOf(const BodyShapeDef& shape, const BodySolid& solid) {
+  std::vector<ShapePart> parts;
+  if (const auto* patch = std::get_if<PlanePatchShape>(&shape)) {
+    const double x = 0.5 * patch->sizeX, z = 0.5 * patch->sizeZ;
+    parts.push_back({.mesh = {.vertices = {{-x, 0, -z}, {-x, 0, z}, {x, 0, z}, {x, 0, -z}},
+                              .triangles = {{0, 1, 2}, {0, 2, 3}}},
+                     .kind = PartKind::Ground,
+                     .up = Vector3::UnitY()});
+    return parts;
   }
-  return all;
+  for (const TriangleMesh& part : solid.parts) parts.push_back({.mesh = part, .kind = PartKind::Solid});
+  return parts;
 }
 
 /// Distance of neighbours in an even layer of discs of radius r that cover `density` of the area.
@@ -93,7 +64,7 @@ Covering scatter(const TriangleMesh& mesh, const granular::FloaterSurface& surfa
   covering.positions = granular::seedFloaters(mesh, r, density, granular::Random(def.seed + 1));
   const granular::FloaterReport floaters = granular::relaxFloaters(covering.positions, surface,
                                                                    {.spacing = evenSpacing(r, density),
-                                                                    .convergence = kConvergence * r,
+                                                                    .convergence = CoverDef().convergence * r,
                                                                     .maxIterations = kRoughnessIterations,
                                                                     .threads = threads});
   covering.radii.assign(covering.positions.size(), r);
@@ -143,8 +114,7 @@ BodyCovering coverSolid(const BodyShapeDef& shape, const BodySolid& solid, const
   const auto* patch = std::get_if<PlanePatchShape>(&shape);
   const CoverDef main = mainLayer(def, smallestGrainRadius, threads);
   BodyCovering result;
-  granular::append(result.covering,
-                   patch ? coverPatch(*patch, main, result) : coverParts(solid, main, result));
+  result.covering = bullet_bridge::coverParts(partsOf(shape, solid), main, &result.reports);
   if (def.roughness) {
     granular::append(result.covering, patch ? roughenPatch(*patch, solid, def, threads, result)
                                             : roughenParts(solid, def, threads, result));

@@ -396,6 +396,7 @@ granular::StepReport BuiltScene::tick() {
   moveScriptedBodies(static_cast<double>(ticksDone_ + 1) * tickDuration());
   const auto dt = static_cast<btScalar>(tickDuration());
   world_->stepSimulation(dt, 1, dt);
+  joints_.releaseBroken(*world_);
   ++ticksDone_;
   granular::StepReport report = world_->lastStep();
   report.time = time();

@@ -64,8 +64,16 @@ void SceneJoints::addOne(const std::string& name, const JointPart& part, const E
   Joint joint = {name, makeConstraint(part, a, b, at)};
   if (part.breakingForce)
     joint.constraint->setBreakingImpulseThreshold(static_cast<btScalar>(*part.breakingForce * tickDuration));
-  world.addConstraint(joint.constraint.get());
+  world.addConstraint(joint.constraint.get(), !part.touching);
   joints_.push_back(std::move(joint));
+}
+
+void SceneJoints::releaseBroken(btDynamicsWorld& world) {
+  for (Joint& joint : joints_) {
+    if (joint.constraint->isEnabled() || joint.isReleased) continue;
+    world.removeConstraint(joint.constraint.get());
+    joint.isReleased = true;
+  }
 }
 
 void SceneJoints::removeFrom(btDynamicsWorld& world) {

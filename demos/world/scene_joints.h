@@ -22,10 +22,12 @@ class SceneJoints {
   };
 
   /// Adds a part's constraints to the world. `find` gives the body of a name; `bodies` are all parts, copies
-  /// expanded. Joined bodies keep touching: a joint that breaks leaves no overlap to spring apart.
+  /// expanded.
   /// Throws std::invalid_argument if neither of two joined bodies moves.
   void add(const JointPart& part, const std::vector<BodyPart>& bodies,
            const std::function<End(const std::string&)>& find, btDynamicsWorld& world, double tickDuration);
+  /// Takes joints that broke out of the world, so that what they held apart can touch. Call after each tick.
+  void releaseBroken(btDynamicsWorld& world);
   void removeFrom(btDynamicsWorld& world);
 
   std::size_t count() const { return joints_.size(); }
@@ -38,6 +40,7 @@ class SceneJoints {
   struct Joint {
     std::string name;
     std::unique_ptr<btTypedConstraint> constraint;
+    bool isReleased = false;
   };
   void addOne(const std::string& name, const JointPart& part, const End& a, const End& b, const Vector3& at,
               btDynamicsWorld& world, double tickDuration);
