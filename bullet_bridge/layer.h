@@ -20,6 +20,7 @@
 #include "bullet_bridge/bullet_state.h"
 #include "bullet_bridge/exact_shape.h"
 #include "bullet_bridge/grain_queries.h"
+#include "bullet_bridge/joint_loads.h"
 #include "bullet_bridge/layer_door.h"
 #include "bullet_bridge/mass_frames.h"
 
@@ -79,6 +80,9 @@ struct CoveredBody {
   btScalar sweepThreshold = 0;  ///< the program's continuous-collision threshold
   int flags = 0;                ///< the program's btRigidBodyFlags
   granular::Pose startPose;     ///< x0
+  granular::Wrench jointLoad;   ///< what its joints bear through the tick, about its centre of mass, world
+  btVector3 jointImpulse;       ///< what that adds to its velocity, as Bullet reckons it
+  btVector3 jointTurn;          ///< and to its angular velocity
   granular::Vector3 meanAngularVelocity = granular::Vector3::Zero();
   BulletState offered;         ///< before the solver
   BulletState solved;          ///< after it, before actions
@@ -186,6 +190,7 @@ class Layer {
   void takeDynamicState(CoveredBody& covered, btScalar dt);
   double kinematicTime(const CoveredBody& covered, const BulletState& now, double dt) const;
   void prepareDynamic(CoveredBody& covered);
+  void takeJointLoads();
   void applyLoad(CoveredBody& covered);
   void showMassFrames();
   void noteSolved();
@@ -211,6 +216,7 @@ class Layer {
   std::set<Pair> excluded_;     // as the core knows it now
   std::vector<std::pair<btPersistentManifold*, int>> silenced_;
   MassFrames massFrames_;
+  JointLoads jointLoads_;
   ContactListener contactListener_;
   std::vector<BodyContact> contacts_;  // told to the listener
   double lastTick_ = 0.0;              // s

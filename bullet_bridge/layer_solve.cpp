@@ -81,7 +81,19 @@ void Layer::switchSweepsOn() {
   for (CoveredBody& covered : bodies_) covered.body->setCcdMotionThreshold(covered.sweepThreshold);
 }
 
+void Layer::takeJointLoads() {
+  for (CoveredBody& covered : bodies_) covered.jointLoad = {};
+  jointLoads_.tell([this](const btRigidBody& body, const granular::Wrench& load) {
+    const auto slot = slots_.find(&body);
+    if (slot == slots_.end()) return;
+    granular::Wrench& sum = bodies_[slot->second].jointLoad;
+    sum.force += load.force;
+    sum.torque += load.torque;
+  });
+}
+
 void Layer::step(btScalar dt) {
+  takeJointLoads();
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion == BodyMotion::Dynamic) prepareDynamic(covered);
   }
@@ -119,7 +131,8 @@ void Layer::applyLoad(CoveredBody& covered) {
   if (!covered.held) {
     const Vector3 lever = covered.startPose.orientation * leverOf(covered);
     load.force = fromBullet(body.getTotalForce()) - fromBullet(gravityForce);
-    load.torque = fromBullet(body.getTotalTorque()) - lever.cross(load.force);
+    load.torque = fromBullet(body.getTotalTorque()) - lever.cross(load.force) + covered.jointLoad.torque;
+    load.force += covered.jointLoad.force;
   }
   const Vector3 gravity = fromBullet(body.getGravity());
   if (!gravity.allFinite() || !load.force.allFinite() || !load.torque.allFinite()) return;
@@ -141,7 +154,9 @@ void Layer::showMassFrames() {
 }
 
 /// Gives Bullet's solver the velocity that, with what the solver itself adds for the total force, is the mean
-/// one. The gyroscopic term is in the core; Bullet would count it again (its flag is on by default).
+/// one, less what joints have been given in advance: it finds their whole impulses, so that joints break and
+/// report as in Bullet. The gyroscopic term is in the core; Bullet would count it again (its flag is on by
+/// default).
 void Layer::offerMeanMotion(btScalar dt) {
   showMassFrames();
   for (CoveredBody& covered : bodies_) {
@@ -150,12 +165,16 @@ void Layer::offerMeanMotion(btScalar dt) {
     const btVector3 added = forceImpulse(body, dt);
     const btVector3 turned = torqueImpulse(body, dt);
     covered.meanAngularVelocity.setZero();
+    covered.jointImpulse.setZero();
+    covered.jointTurn.setZero();
     if (!covered.held) {
+      covered.jointImpulse = toBullet(covered.jointLoad.force) * body.getInvMass() * dt;
+      covered.jointTurn = body.getInvInertiaTensorWorld() * toBullet(covered.jointLoad.torque) * dt;
       const Pose end = system_.bodyMotion(covered.id).pose;
       covered.meanAngularVelocity = turnBetween(covered.startPose.orientation, end.orientation) / double(dt);
       body.setLinearVelocity(toBullet(Vector3((end.position - covered.startPose.position) / double(dt))) -
-                             added);
-      body.setAngularVelocity(toBullet(covered.meanAngularVelocity) - turned);
+                             added - covered.jointImpulse);
+      body.setAngularVelocity(toBullet(covered.meanAngularVelocity) - turned - covered.jointTurn);
     }
     covered.flags = body.getFlags();
     body.setFlags(covered.flags &
@@ -165,9 +184,11 @@ void Layer::offerMeanMotion(btScalar dt) {
     covered.expectedVelocity = covered.offered.velocity + added;
     covered.expectedAngularVelocity = covered.offered.angularVelocity + turned;
   }
+  jointLoads_.listen(world_, [this](const btRigidBody& body) { return isCovered(body); });
 }
 
 void Layer::takeCorrections() {
+  jointLoads_.follow();
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion != BodyMotion::Dynamic) continue;
     btRigidBody& body = *covered.body;
@@ -178,9 +199,11 @@ void Layer::takeCorrections() {
     if (!body.isActive()) continue;  // its island sleeps: Bullet solved nothing
     const BulletState now = stateOf(body);
     const BulletState& offered = covered.offered;
-    covered.velocityCorrection = changeOf(now.velocity, covered.expectedVelocity, offered.velocity);
+    covered.velocityCorrection =
+        changeOf(now.velocity, covered.expectedVelocity, offered.velocity) - fromBullet(covered.jointImpulse);
     covered.angularVelocityCorrection =
-        changeOf(now.angularVelocity, covered.expectedAngularVelocity, offered.angularVelocity);
+        changeOf(now.angularVelocity, covered.expectedAngularVelocity, offered.angularVelocity) -
+        fromBullet(covered.jointTurn);
     if (isSame(now.transform, offered.transform)) continue;
     const Pose before = fromBullet(offered.transform);
     const Pose after = fromBullet(now.transform);
