@@ -63,8 +63,9 @@ ExactShape meshShape(const btCollisionShape& shape, const CoverBodyDef& def, dou
   const std::vector<ShapePart> parts =
       def.surface ? std::vector{partOf(*def.surface)} : shapeParts(shape, def.shapeSurface);
   if (parts.size() != 1 || parts.front().kind != PartKind::Solid) {
-    throw std::invalid_argument(std::string("CoverBodyDef.contact is Exact for a collision shape ") +
-                                shape.getName() +
+    const char* asked = def.contact == SurfaceContact::Exact ? "CoverBodyDef.contact is Exact"
+                                                             : "CoverBodyDef.meetBodies is Surface";
+    throw std::invalid_argument(std::string(asked) + " for a collision shape " + shape.getName() +
                                 (parts.size() == 1 ? " without an inside" : " of several parts") +
                                 "; exact contact is for planes and for shapes of one closed part: give "
                                 "SurfaceContact::Particles");
@@ -95,6 +96,24 @@ ExactShape exactShape(const btRigidBody& body, const CoverBodyDef& def, double s
       return cylinderShape(static_cast<const btCylinderShape&>(shape));
     default:
       return meshShape(shape, def, spacing, threads);
+  }
+}
+
+bool meetsBodiesExactly(const btRigidBody& body, const CoverBodyDef& def) {
+  if (def.meetBodies != MeetBodies::Automatic) return def.meetBodies == MeetBodies::Surface;
+  if (def.covering) return false;
+  if (def.surface) return partOf(*def.surface).kind == PartKind::Solid;
+  switch (body.getCollisionShape()->getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE:
+    case BOX_SHAPE_PROXYTYPE:
+    case SPHERE_SHAPE_PROXYTYPE:
+    case CAPSULE_SHAPE_PROXYTYPE:
+    case CYLINDER_SHAPE_PROXYTYPE:
+      return true;
+    default: {
+      const std::vector<ShapePart> parts = shapeParts(*body.getCollisionShape(), def.shapeSurface);
+      return parts.size() == 1 && parts.front().kind == PartKind::Solid;
+    }
   }
 }
 

@@ -20,6 +20,9 @@ struct ExactShape {
 /// has no inside or several parts, and for a plane that is dynamic.
 ExactShape exactShape(const btRigidBody& body, const CoverBodyDef& def, double spacing, int threads);
 
+/// Whether particles of other bodies meet the exact surface of a body that has particles.
+bool meetsBodiesExactly(const btRigidBody& body, const CoverBodyDef& def);
+
 /// Throws std::invalid_argument for a setting that speaks of particles where there are none.
 void checkExactDef(const CoverBodyDef& def);
 

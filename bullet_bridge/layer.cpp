@@ -23,15 +23,17 @@ namespace {
 
 using granular::Vector3;
 
-/// Lowest restitution between bodies: the dashpot of a fully plastic impact is infinite.
-constexpr double kLeastRestitution = 0.1;
 /// Relative; Bullet's float boxes are this exact.
 constexpr double kMassRounding = 1e-6;
 /// Discs on a body's surface when neither the user nor any grain says how large its particles are.
 constexpr double kDefaultDiscs = 500.0;
+/// The same for a box whose surface bodies meet: nine or so on a face carry it flat and tilted, as exactly as
+/// more would.
+constexpr double kDiscsOfABox = 40.0;
 
 granular::SystemDef systemDef(const btDiscreteDynamicsWorld& world, const LayerDef& def) {
   granular::requirePositive(def.kinematicSpeedLimit, "LayerDef.kinematicSpeedLimit", "m/s");
+  granular::requirePositive(def.restingDepth, "LayerDef.restingDepth", "");
   granular::require(def.drawnParticleLimit >= 0, "LayerDef.drawnParticleLimit", def.drawnParticleLimit, "",
                     ">= 0");
   return {.gravity = fromBullet(world.getGravity()), .integrator = def.integrator, .threads = def.threads};
@@ -53,6 +55,26 @@ double leastExtent(const std::vector<ShapePart>& parts) {
       least = std::min(least, granular::boundingBox(part.mesh).size().minCoeff());
   }
   return least;
+}
+
+/// Edges of the box round the body's shape, m.
+Vector3 sizeOf(const btRigidBody& body) {
+  btVector3 low, high;
+  body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
+  return fromBullet(high) - fromBullet(low);
+}
+
+/// Of the box round the body's shape, m^2.
+double largestSideOf(const btRigidBody& body) {
+  const Vector3 size = sizeOf(body);
+  return size.prod() / size.minCoeff();
+}
+
+/// m/s^2; that of the earth where there is none, or one that makes no sense.
+double gravityOf(const btRigidBody& body) {
+  constexpr double kEarthGravity = 9.81;
+  const double own = fromBullet(body.getGravity()).norm();
+  return own > 0.0 && std::isfinite(own) ? own : kEarthGravity;
 }
 
 /// Ground and sheets enclose no mass.
@@ -135,11 +157,6 @@ Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAre
 
 // ---- grains
 
-granular::MaterialId Layer::pileMaterial() {
-  if (!pileMaterial_) pileMaterial_ = system_.addMaterial({});
-  return *pileMaterial_;
-}
-
 std::vector<granular::GrainId> Layer::addPile(const PileDef& def) {
   granular::requirePositive(def.particleRadius, "PileDef.particleRadius", "m");
   granular::requireFinite(def.region.lower, "PileDef.region.lower", "m");
@@ -198,12 +215,12 @@ void Layer::checkCoverable(const btRigidBody& body) const {
   }
 }
 
-double Layer::defaultParticleRadius(const std::vector<ShapePart>& parts) const {
+double Layer::defaultParticleRadius(const std::vector<ShapePart>& parts, double discs) const {
   const double fromGrains = smallestGrainParticle(system_);
   if (std::isfinite(fromGrains)) return fromGrains;
   double area = 0.0;
   for (const ShapePart& part : parts) area += granular::surfaceArea(part.mesh);
-  return std::min(std::sqrt(area / (kDefaultDiscs * std::numbers::pi)), 0.25 * leastExtent(parts));
+  return std::min(std::sqrt(area / (discs * std::numbers::pi)), 0.25 * leastExtent(parts));
 }
 
 granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyDef& def) const {
@@ -217,7 +234,11 @@ granular::Covering Layer::makeCovering(const btRigidBody& body, const CoverBodyD
   cover.density = def.density;
   cover.sheetThickness = def.sheetThickness;
   cover.seed = def.seed;
-  cover.particleRadius = def.particleRadius > 0.0 ? def.particleRadius : defaultParticleRadius(parts);
+  const bool isBox = !def.surface && body.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE &&
+                     meetsBodiesExactly(body, def);
+  cover.particleRadius = def.particleRadius > 0.0
+                             ? def.particleRadius
+                             : defaultParticleRadius(parts, isBox ? kDiscsOfABox : kDefaultDiscs);
   const double grain = smallestGrainParticle(system_);
   if (std::isfinite(grain)) cover.smallestGrainRadius = grain;
   cover.threads = system_.threads();
@@ -243,14 +264,34 @@ void Layer::takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const {
   covered.coreFrame = solid.principalFrame;
 }
 
+/// What meets bodies may be coarser than what meets grains.
 double Layer::exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const {
   granular::requireNotNegative(def.exactSpacing, "CoverBodyDef.exactSpacing", "m");
   if (def.exactSpacing > 0.0) return def.exactSpacing;
   const double fromGrains = smallestGrainParticle(system_);
-  if (std::isfinite(fromGrains)) return 0.5 * fromGrains;
-  btVector3 low, high;
-  body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
-  return (fromBullet(high) - fromBullet(low)).maxCoeff() / 64.0;
+  if (def.contact == SurfaceContact::Exact && std::isfinite(fromGrains)) return 0.5 * fromGrains;
+  return sizeOf(body).maxCoeff() / 64.0;
+}
+
+/// What of the body is met: its exact surface, or what is returned, or both.
+granular::Covering Layer::takeSurface(CoveredBody& covered, const CoverBodyDef& def) const {
+  const btRigidBody& body = *covered.body;
+  const bool isExact = def.contact == SurfaceContact::Exact;
+  granular::Covering covering;
+  if (isExact) {
+    checkExactDef(def);
+  } else {
+    covering = makeCovering(body, def);
+  }
+  if (isExact || meetsBodiesExactly(body, def)) {
+    const ExactShape shape = exactShape(body, def, exactSpacing(body, def), system_.threads());
+    covered.exact = shape.surface;
+    covered.exactFrame = shape.frame;
+    covered.exactUse = isExact ? granular::ExactUse::Everything : granular::ExactUse::Bodies;
+    covered.boundingRadius = shape.boundingRadius;
+  }
+  if (covered.isPlane()) covered.coreFrame = covered.exactFrame;
+  return covering;
 }
 
 granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
@@ -259,24 +300,16 @@ granular::BodyId Layer::cover(btRigidBody& body, const CoverBodyDef& def) {
   covered.body = &body;
   covered.followsBodyMaterial = !def.material;
   if (def.material) covered.make.material = *def.material;
-  granular::Covering covering;
-  if (def.contact == SurfaceContact::Exact) {
-    checkExactDef(def);
-    const ExactShape shape = exactShape(body, def, exactSpacing(body, def), system_.threads());
-    covered.exact = shape.surface;
-    covered.exactFrame = shape.frame;
-    if (covered.isPlane()) covered.coreFrame = shape.frame;
-    covered.boundingRadius = shape.boundingRadius;
-  } else {
-    covering = makeCovering(body, def);
-  }
+  granular::Covering covering = takeSurface(covered, def);
   takeMassFrame(covered, def);
-  if (covered.exact) {
-    covered.boundingRadius += (covered.exactFrame.position - covered.coreFrame.position).norm();
-  } else {
+  if (covered.hasParticles()) {
     covering = seenFrom(covered.coreFrame, std::move(covering));
     covered.boundingRadius = boundingRadiusOf(covering);
+  } else {
+    covered.boundingRadius += (covered.exactFrame.position - covered.coreFrame.position).norm();
   }
+  covered.largestSide = largestSideOf(body);
+  covered.gravity = gravityOf(body);
   covered.make = makeOf(covered);
   covered.worldIndex = body.getWorldArrayIndex();
   covered.proxyId = body.getBroadphaseHandle()->m_uniqueId;
@@ -343,29 +376,6 @@ const CoveredBody* Layer::find(const btCollisionObject* object) const {
   return found == slots_.end() ? nullptr : &bodies_[found->second];
 }
 
-/// One core material for each pair of friction and restitution seen, paired with all others by Bullet's
-/// product rule.
-granular::MaterialId Layer::bodyMaterial(const btRigidBody& body) {
-  const btScalar friction = std::max(body.getFriction(), btScalar(0));
-  const btScalar restitution = std::clamp(body.getRestitution(), btScalar(0), btScalar(1));
-  for (const BodyMaterial& known : bodyMaterials_) {
-    if (known.friction == friction && known.restitution == restitution) return known.id;
-  }
-  const granular::MaterialId id =
-      system_.addMaterial({.name = "body with friction " + std::to_string(friction) + " and restitution " +
-                                   std::to_string(restitution),
-                           .restitution = std::max(kLeastRestitution, double(restitution)),
-                           .friction = friction});
-  bodyMaterials_.push_back({.friction = friction, .restitution = restitution, .id = id});
-  for (const BodyMaterial& other : bodyMaterials_) {
-    granular::MaterialPairDef pair;
-    pair.restitution = std::max(kLeastRestitution, double(restitution) * double(other.restitution));
-    pair.friction = double(friction) * double(other.friction);
-    system_.setMaterialPair(id, other.id, pair);
-  }
-  return id;
-}
-
 BodyMake Layer::makeOf(const CoveredBody& covered) {
   const btRigidBody& body = *covered.body;
   const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
@@ -374,8 +384,9 @@ BodyMake Layer::makeOf(const CoveredBody& covered) {
     make.group = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     make.mask = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
   }
-  const bool isUsable = std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution());
-  if (covered.followsBodyMaterial && isUsable) make.material = bodyMaterial(body);
+  const bool isUsable = std::isfinite(body.getFriction()) && std::isfinite(body.getRestitution()) &&
+                        std::isfinite(body.getInvMass());
+  if (covered.followsBodyMaterial && isUsable) make.material = bodyMaterial(covered);
   return make;
 }
 
@@ -385,6 +396,7 @@ void Layer::addToSystem(CoveredBody& covered, granular::Covering covering,
   def.motion = covered.make.motion;
   def.covering = std::move(covering);
   def.exact = covered.exact;
+  def.exactUse = covered.exactUse;
   def.exactPose = composed(inverse(covered.coreFrame), covered.exactFrame);
   def.material = covered.make.material;
   def.pose = motion.pose;

@@ -54,8 +54,12 @@ struct CoveredBody {
   BodySettings settings;
   bool followsBodyMaterial = false;  ///< material made from the btRigidBody's friction and restitution
   double boundingRadius = 0.0;       ///< of the covering about the core body's origin, m; 0 for a plane
-  std::optional<granular::ExactSurface> exact;  ///< met instead of particles
-  granular::Pose exactFrame;                    ///< of its frame in Bullet's body frame
+  double largestSide = 0.0;          ///< of the box round its shape, m^2
+  double gravity = 0.0;              ///< when it was covered, m/s^2, > 0
+  double jointTick = 0.0;            ///< s; 0 for a body that no joint holds
+  std::optional<granular::ExactSurface> exact;
+  granular::ExactUse exactUse = granular::ExactUse::Everything;  ///< Everything: met instead of particles
+  granular::Pose exactFrame;                                     ///< of its frame in Bullet's body frame
   /// Of the core's body in Bullet's body frame: true centre of mass and principal axes; a plane's foot and
   /// normal, as the core's half-space ends at y = 0 of its own frame. The identity where the two agree.
   granular::Pose coreFrame;
@@ -73,7 +77,8 @@ struct CoveredBody {
   granular::Vector3 frameAngularVelocity = granular::Vector3::Zero();
   double frameTimeLeft = 0.0;
 
-  bool isPlane() const { return exact && std::holds_alternative<granular::HalfSpace>(*exact); }
+  bool hasParticles() const { return !exact || exactUse == granular::ExactUse::Bodies; }
+  bool isPlane() const { return !hasParticles() && std::holds_alternative<granular::HalfSpace>(*exact); }
 
   // Dynamic, within one tick.
   bool held = false;            ///< asleep: stands still in the core
@@ -157,9 +162,12 @@ class Layer {
  private:
   using Pair = std::pair<const btRigidBody*, const btRigidBody*>;  // smaller address first
 
+  /// What the core is told of how bodies touch.
   struct BodyMaterial {
     btScalar friction = 0;
     btScalar restitution = 0;
+    double stiffness =
+        0.0;  ///< of its foundation against something rigid, N/m^3; infinite: it is that itself
     granular::MaterialId id;
   };
 
@@ -170,10 +178,13 @@ class Layer {
   bool isInWorld(CoveredBody& covered) const;
   void checkCoverable(const btRigidBody& body) const;
   double exactSpacing(const btRigidBody& body, const CoverBodyDef& def) const;
+  granular::Covering takeSurface(CoveredBody& covered, const CoverBodyDef& def) const;
   granular::Covering makeCovering(const btRigidBody& body, const CoverBodyDef& def) const;
   void takeMassFrame(CoveredBody& covered, const CoverBodyDef& def) const;
-  double defaultParticleRadius(const std::vector<ShapePart>& parts) const;
-  granular::MaterialId bodyMaterial(const btRigidBody& body);
+  double defaultParticleRadius(const std::vector<ShapePart>& parts, double discs) const;
+  double stiffnessOf(const CoveredBody& covered) const;
+  granular::MaterialId bodyMaterial(const CoveredBody& covered);
+  void pairMaterials(const BodyMaterial& a, const BodyMaterial& b);
   granular::MaterialId pileMaterial();
   BodyMake makeOf(const CoveredBody& covered);
   void addToSystem(CoveredBody& covered, granular::Covering covering, const granular::RigidMotion& motion);
@@ -183,6 +194,7 @@ class Layer {
   std::set<Pair> wantedExclusions() const;
   void updateExclusions();
 
+  void noteJoints(btScalar dt);
   void takeStaticPose(CoveredBody& covered);
   void takeKinematicPose(CoveredBody& covered, double dt);
   granular::Pose bulletPose(const CoveredBody& covered) const;

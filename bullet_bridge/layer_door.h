@@ -28,6 +28,14 @@ struct LayerDef {
   granular::IntegratorDef integrator = {};
   int threads = 1;  ///< of the core, > 0; results are the same bits for every number
 
+  /// How far a cube that stands on its like sinks into it under its own weight, in edges, > 0: this, with
+  /// mass, size and gravity at the time of coverBody, decides how stiff bodies are against each other, so
+  /// that stacks behave alike at every size (rounded to a power of two; not for bodies with a material of
+  /// their own; jointed bodies are soft enough that an impact lasts a tick, as joints act once a tick).
+  /// Columns of more than (0.65 / restingDepth)^(1/3) cubes buckle: 40 at the default. A sub-step's length
+  /// goes with its root.
+  double restingDepth = 1e-5;
+
   /// A kinematic body that a frame moves faster than this is taken as put there: it jumps, without velocity.
   /// m/s for its centre, and for its outermost particle. Frames that Bullet cuts short (too few sub-steps)
   /// inflate the speed of what moves in them; a jump into grains throws them, so set this well above what the
@@ -46,6 +54,16 @@ enum class SurfaceContact : std::uint8_t {
   Exact,
 };
 
+/// What of a covered body meets particles of other covered bodies.
+enum class MeetBodies : std::uint8_t {
+  /// Surface where the shape has a formula (box, sphere, capsule, cylinder, plane) or is one closed part;
+  /// Particles elsewhere, and where CoverBodyDef::covering is given.
+  Automatic,
+  /// Its surface, smooth: faces lie flat on each other and do not lock. Grains meet the particles.
+  Surface,
+  Particles,  ///< its particles: two such faces sink into each other's dips, and lock
+};
+
 /// Where a dynamic body has its mass. The amount is the btRigidBody's own.
 enum class MassSource : std::uint8_t {
   /// Centre of mass and inertia of the solid within the surface, exact (shapeMass). The btRigidBody's
@@ -60,13 +78,17 @@ enum class MassSource : std::uint8_t {
 struct CoverBodyDef {
   /// Exact: nothing below but `exactSpacing`, `surface`, `shapeSurface`, `mass` and `material` may be set.
   SurfaceContact contact = SurfaceContact::Particles;
-  /// Exact, of a shape that is met by its sampled distance: between samples, m, >= 0; edges are rounded by
-  /// about half of it. 0: half the radius of the smallest particle of any grain in the world, or without
-  /// grains a 64th of the shape's size.
+  /// Beside particles; of no meaning where `contact` is Exact: particles of other bodies meet such a body's
+  /// surface in any case.
+  MeetBodies meetBodies = MeetBodies::Automatic;
+  /// Of a surface that is met by its sampled distance: between samples, m, >= 0; edges are rounded by about
+  /// half of it. 0: a 64th of the shape's size, or where grains meet it and are there, half the radius of
+  /// their smallest particle.
   double exactSpacing = 0.0;
 
   /// m, >= 0. 0: the radius of the smallest particle of any grain in the world, or without grains the radius
-  /// of which 500 discs have the body's surface, but at most a quarter of its least extent.
+  /// of which 500 discs have the body's surface (40 that of a box whose surface bodies meet), but at most a
+  /// quarter of its least extent.
   double particleRadius = 0.0;
   /// m, as granular::CoverDef::offset; default: the covering keeps the body's size.
   std::optional<double> offset = std::nullopt;
@@ -86,8 +108,9 @@ struct CoverBodyDef {
   SurfaceDef shapeSurface = {};  ///< how the collision shape becomes a mesh; planes need a patch
 
   /// None: made from the body's friction and restitution. Between two such bodies friction is the product of
-  /// the two (Bullet's rule) and restitution too, but not below 0.1: Bullet's default 0 has no finite
-  /// dashpot. Changes of the body's friction or restitution are followed. A material given here stays.
+  /// the two (Bullet's rule) and static (law 19), and restitution is the product too, but not below 0.1:
+  /// Bullet's default 0 has no finite dashpot; stiffness: LayerDef::restingDepth. Changes of the body's
+  /// friction or restitution are followed. A material given here stays.
   std::optional<granular::MaterialId> material = std::nullopt;
 };
 

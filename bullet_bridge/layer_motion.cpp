@@ -40,7 +40,7 @@ BodySettings settingsOf(const CoveredBody& covered, bool held) {
 
 bool meetInCore(const CoveredBody& a, const CoveredBody& b) {
   const auto movesParticles = [](const CoveredBody& covered) {
-    return covered.make.motion == BodyMotion::Dynamic && !covered.exact;
+    return covered.make.motion == BodyMotion::Dynamic && covered.hasParticles();
   };
   return movesParticles(a) || movesParticles(b);
 }
@@ -93,6 +93,7 @@ void Layer::takeChanges(btScalar dt) {
   BT_PROFILE("granular: take changes");
   const Vector3 gravity = fromBullet(world_.getGravity());
   if (gravity.allFinite()) system_.setGravity(gravity);
+  noteJoints(dt);
   for (CoveredBody& covered : bodies_) {
     remakeIfChanged(covered);
     switch (covered.make.motion) {
@@ -108,6 +109,19 @@ void Layer::takeChanges(btScalar dt) {
     }
   }
   updateExclusions();
+}
+
+/// Which bodies Bullet's joints hold in this tick.
+void Layer::noteJoints(btScalar dt) {
+  for (CoveredBody& covered : bodies_) covered.jointTick = 0.0;
+  for (int i = 0; i < world_.getNumConstraints(); ++i) {
+    const btTypedConstraint& joint = *world_.getConstraint(i);
+    if (!joint.isEnabled()) continue;
+    for (const btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
+      const auto found = slots_.find(body);
+      if (found != slots_.end()) bodies_[found->second].jointTick = dt;
+    }
+  }
 }
 
 /// A static body moved by hand is somewhere else at once: it had no velocity.

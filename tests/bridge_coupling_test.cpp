@@ -24,13 +24,15 @@ struct BallOnSand {
       scene.world->addPile({.region = {{-0.1, 0.0, -0.1}, {0.1, 0.1, 0.1}}, .particleRadius = 0.01});
 
   BallOnSand() {
+    // All of the sand's stone: the ball may lean against a wall, and a body's own stiffness is for stacks.
+    const bullet_bridge::CoverBodyDef stone{.material = scene.world->grains().addMaterial({})};
     for (const double side : {-1.0, 1.0}) {
       walls.push_back(&scene.body(0, scene.box(0.02, 0.06, 0.14), at(side * 0.12, 0.06, 0)));
       walls.push_back(&scene.body(0, scene.box(0.1, 0.06, 0.02), at(0, 0.06, side * 0.12)));
     }
-    for (btRigidBody* wall : walls) scene.world->coverBody(*wall);
-    scene.world->coverBody(floor);
-    scene.world->coverBody(ball);
+    for (btRigidBody* wall : walls) scene.world->coverBody(*wall, stone);
+    scene.world->coverBody(floor, stone);
+    scene.world->coverBody(ball, stone);
   }
 };
 

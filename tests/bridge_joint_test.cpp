@@ -10,15 +10,15 @@
 namespace bridge_test {
 namespace {
 
-/// Four boxes on hinges, one end pinned to the world, falling from the horizontal onto the ground. Returns
-/// the largest distance of any joint's two ends over four seconds, m.
+/// Four boxes on hinges, one end pinned to the world at this height, m, falling from the horizontal onto the
+/// ground. Returns the largest distance of any joint's two ends over four seconds, m.
 template <class World>
-double worstJointError(bool covered) {
+double worstJointError(double height, bool covered) {
   Scene<World> scene;
   btRigidBody& ground = scene.body(0, scene.box(5, 0.5, 5), at(0, -0.5, 0));
   std::vector<btRigidBody*> links;
   for (int i = 0; i < 4; ++i) {
-    links.push_back(&scene.body(1, scene.box(0.25, 0.1, 0.1), at(0.25 + 0.5 * i, 1.2, 0)));
+    links.push_back(&scene.body(1, scene.box(0.25, 0.1, 0.1), at(0.25 + 0.5 * i, height, 0)));
     links.back()->setActivationState(DISABLE_DEACTIVATION);
   }
   const btVector3 axis(0, 0, 1);
@@ -38,7 +38,7 @@ double worstJointError(bool covered) {
   for (int i = 0; i < 240; ++i) {
     scene.world->stepSimulation(scalar(1.0 / 60.0), 1, scalar(1.0 / 60.0));
     worst = std::max(
-        worst, (fromBullet(links[0]->getWorldTransform() * vec(-0.25, 0, 0)) - Vector3(0, 1.2, 0)).norm());
+        worst, (fromBullet(links[0]->getWorldTransform() * vec(-0.25, 0, 0)) - Vector3(0, height, 0)).norm());
     for (int k = 0; k < 3; ++k) {
       worst = std::max(worst, fromBullet(links[k]->getWorldTransform() * vec(0.25, 0, 0) -
                                          links[k + 1]->getWorldTransform() * vec(-0.25, 0, 0))
@@ -48,9 +48,14 @@ double worstJointError(bool covered) {
   return worst;
 }
 
+/// Which swing of a chain is its fastest, and so its worst, hangs on the last bit: chains from several
+/// heights are compared.
 TEST(HingeChain, OfCoveredBodiesIsNoWorseThanBulletsOwn) {
-  const double own = worstJointError<btDiscreteDynamicsWorld>(false);
-  const double covered = worstJointError<bullet_bridge::GranularDynamicsWorld>(true);
+  double own = 0.0, covered = 0.0;
+  for (const double height : {0.9, 1.2, 1.5}) {
+    own += worstJointError<btDiscreteDynamicsWorld>(height, false) / 3.0;
+    covered += worstJointError<bullet_bridge::GranularDynamicsWorld>(height, true) / 3.0;
+  }
   RecordProperty("bulletWorst", std::to_string(own));
   RecordProperty("coveredWorst", std::to_string(covered));
   EXPECT_LE(covered, own);

@@ -13,6 +13,7 @@ list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/bridge_shape_covering_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_shape_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_sleep_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_stack_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_world_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/hello_sand_test.cpp)
 
@@ -27,4 +28,5 @@ list(APPEND GRANULAR_ATTACHED_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/bridge_motion_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_pair_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_reading_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/bridge_sleep_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_sleep_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_stack_test.cpp)

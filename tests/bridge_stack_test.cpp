@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// Covered bodies on each other: faces that lie flat, friction that holds, stiffness that follows from
+// LayerDef::restingDepth.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "bridge_fixture.h"
+
+namespace bridge_test {
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kTick = 1.0 / 60.0;
+constexpr double kDensity = 1000.0;  // kg/m^3
+
+double massOfCube(double edge) {
+  return kDensity * edge * edge * edge;
+}
+
+/// Static ground below y = 0 and cubes above it, everything covered, nothing ever asleep.
+class Cubes {
+ public:
+  explicit Cubes(double edge) : edge_(edge) {
+    scene.world->setGravity(vec(0, -kGravity, 0));
+    ground = &scene.body(0, scene.box(2 * edge, edge, 2 * edge), at(0, -edge, 0));
+    scene.world->coverBody(*ground);
+  }
+
+  btRigidBody& add(const Vector3& center) {
+    btRigidBody& cube = scene.body(massOfCube(edge_), scene.box(edge_ / 2, edge_ / 2, edge_ / 2),
+                                   at(center.x(), center.y(), center.z()));
+    cube.setActivationState(DISABLE_DEACTIVATION);
+    scene.world->coverBody(cube);
+    cubes.push_back(&cube);
+    return cube;
+  }
+  void run(double time) {
+    for (double t = 0.0; t < time - 0.5 * kTick; t += kTick)
+      scene.world->stepSimulation(scalar(kTick), 1, scalar(kTick));
+  }
+  /// Of the foundation between two bodies, N/m^3.
+  double stiffness(const btRigidBody& a, const btRigidBody& b) {
+    granular::GranularSystem& core = scene.world->grains();
+    const auto materialOf = [&](const btRigidBody& body) {
+      return core.bodyDef(scene.world->bodyIdOf(body)).material;
+    };
+    return core.materialPair(materialOf(a), materialOf(b)).bodyNormal.stiffness.value();
+  }
+
+  SandScene scene;
+  btRigidBody* ground = nullptr;
+  std::vector<btRigidBody*> cubes;
+
+ private:
+  double edge_;
+};
+
+class Column : public testing::TestWithParam<double> {};
+
+/// Cube i carries what stands on it: the contact below it is pressed by (n - i) m g / (k L^2), and it sinks
+/// by its own contact's depth and those below.
+TEST_P(Column, StandsStillSunkByTheCompressionOfItsFoundations) {
+  const double edge = GetParam();
+  constexpr int kCount = 5;
+  Cubes stack(edge);
+  for (int i = 0; i < kCount; ++i) stack.add({0, (i + 0.5) * edge, 0});
+  stack.run(0.5);
+  double sunk = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const btRigidBody& below = i == 0 ? *stack.ground : *stack.cubes[i - 1];
+    sunk +=
+        (kCount - i) * massOfCube(edge) * kGravity / (stack.stiffness(*stack.cubes[i], below) * edge * edge);
+    const Vector3 position = positionOf(*stack.cubes[i]);
+    // Bullet stores heights of some edges to its own rounding; what still swings then is less than 1 %.
+    EXPECT_NEAR((i + 0.5) * edge - position.y(), sunk, 0.01 * sunk + 2.0 * kCount * edge * kBulletRounding);
+    EXPECT_LT(std::hypot(position.x(), position.z()), 1e-5 * edge);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfOneMetreAndOneCentimetre, Column, testing::Values(1.0, 0.01),
+                         [](const auto& test) { return test.param > 0.1 ? "metre" : "centimetre"; });
+
+TEST(RestingDepth, IsWhatACubeSinksIntoItsLike) {
+  Cubes stack(0.5);
+  const btRigidBody& lower = stack.add({0, 0.25, 0});
+  const btRigidBody& upper = stack.add({0, 0.75, 0});
+  const double depth = massOfCube(0.5) * kGravity / (stack.stiffness(lower, upper) * 0.25) / 0.5;
+  EXPECT_LE(depth, bullet_bridge::LayerDef{}.restingDepth * (1.0 + 1e-6));
+  EXPECT_GT(depth, 0.5 * bullet_bridge::LayerDef{}.restingDepth);  // rounded to a power of two
+}
+
+TEST(RestingDepth, MustBePositive) {
+  BulletScene scene;
+  EXPECT_THROW(bullet_bridge::GranularLayer(*scene.world, {.restingDepth = 0.0}), std::invalid_argument);
+}
+
+/// A tower that is pushed aside by less than friction takes stands where it stood: law 18 would let it creep
+/// at load / kt.
+TEST(StaticFriction, HoldsACubeThatIsPushedBelowTheLimit) {
+  Cubes stack(1.0);
+  btRigidBody& cube = stack.add({0, 0.5, 0});
+  const double limit = 0.25 * massOfCube(1.0) * kGravity;  // Bullet's product of 0.5 and 0.5
+  Vector3 pushed = Vector3::Zero();
+  for (int i = 0; i < 60; ++i) {
+    cube.applyCentralForce(vec(0.8 * limit, 0, 0));
+    stack.run(kTick);
+    if (i == 29) pushed = positionOf(cube);
+  }
+  EXPECT_LT((positionOf(cube) - pushed).norm(), 1e-6);
+  EXPECT_LT(velocityOf(cube).norm(), 1e-5);
+}
+
+TEST(StaticFriction, LetsACubeSlideThatIsPushedBeyondTheLimit) {
+  Cubes stack(1.0);
+  btRigidBody& cube = stack.add({0, 0.5, 0});
+  const double limit = 0.25 * massOfCube(1.0) * kGravity;
+  for (int i = 0; i < 30; ++i) {
+    cube.applyCentralForce(vec(1.2 * limit, 0, 0));
+    stack.run(kTick);
+  }
+  // a = (1.2 - 1) mu g for half a second, once friction is at its limit: some ten milliseconds.
+  EXPECT_NEAR(velocityOf(cube).x(), 0.2 * 0.25 * kGravity * 0.5, 0.05 * 0.2 * 0.25 * kGravity * 0.5);
+}
+
+TEST(MeetBodies, BySurfaceIsRefusedByNameForACompoundOfSeveralParts) {
+  SandScene scene;
+  auto& compound = scene.shape<btCompoundShape>();
+  compound.addChildShape(at(-1, 0, 0), &scene.sphere(0.5));
+  compound.addChildShape(at(1, 0, 0), &scene.sphere(0.5));
+  btRigidBody& body = scene.body(1, compound, at(0, 0, 0));
+  try {
+    scene.world->coverBody(body, {.meetBodies = bullet_bridge::MeetBodies::Surface, .particleRadius = 0.1});
+    FAIL();
+  } catch (const std::invalid_argument& refusal) {
+    EXPECT_EQ(std::string(refusal.what()).find("CoverBodyDef.meetBodies is Surface for a collision shape "),
+              0u)
+        << refusal.what();
+  }
+  EXPECT_NO_THROW(scene.world->coverBody(body, {.particleRadius = 0.1}));
+}
+
+/// On a plane of which a patch is covered for grains, bodies stand on the endless plane itself.
+TEST(MeetBodies, OnACoveredPlaneIsAtItsHeight) {
+  SandScene scene;
+  btRigidBody& plane =
+      scene.body(0, scene.shape<btStaticPlaneShape>(vec(0, 1, 0), scalar(0.25)), at(0, 0, 0));
+  btRigidBody& box = scene.body(8, scene.box(0.1, 0.1, 0.1), at(0, 0.35, 0));
+  box.setActivationState(DISABLE_DEACTIVATION);
+  bullet_bridge::CoverBodyDef patch{.particleRadius = 0.05};
+  patch.shapeSurface.plane.size = 1.0;
+  scene.world->coverBody(plane, patch);
+  scene.world->coverBody(box);
+  for (int i = 0; i < 30; ++i) scene.world->stepSimulation(scalar(kTick), 1, scalar(kTick));
+  EXPECT_NEAR(positionOf(box).y(), 0.35, 1e-4 * 0.2);
+}
+
+}  // namespace
+}  // namespace bridge_test
