@@ -138,10 +138,9 @@ TEST(ChildProcess, EndsWorkThatTakesTooLong) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
+// Sanitizers reserve terabytes of addresses for themselves: under them a process cannot be limited.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(ChildProcess, EndsWorkThatTakesTooMuchMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers end the process themselves when memory runs out";
-#endif
   const auto eat = [] { return std::string(std::size_t{1} << 30, 'x'); };
   try {
     detail::runInChild({.memoryBytes = std::int64_t{1} << 27}, eat);
@@ -150,6 +149,7 @@ TEST(ChildProcess, EndsWorkThatTakesTooMuchMemory) {
     EXPECT_NE(std::string(error.what()).find("128 MiB"), std::string::npos) << error.what();
   }
 }
+#endif
 
 TEST(ChildProcess, PassesOnWhatTheWorkThrows) {
   const auto refuse = []() -> std::string { throw std::invalid_argument("no such thing"); };
