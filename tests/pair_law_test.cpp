@@ -147,54 +147,54 @@ TEST(RegularisedCoulomb, NeverExceedsMuTimesNormal) {
   for (const double speed : {1e-9, 1e-3, 0.1, 3.0, 100.0}) {
     for (const double fn : {0.0, 1e-3, 1.0, 1e4}) {
       const Vector3 Vt = speed * Vector3(0.6, 0.0, -0.8);
-      const Vector3 friction = RegularisedCoulomb::force(c, fn, Vt);
+      const Vector3 friction = RegularisedCoulomb::force<double>(c, fn, Vt);
       EXPECT_LE(friction.norm(), 0.4 * fn * (1.0 + 1e-15));
       EXPECT_LE(friction.norm(), 20.0 * speed * (1.0 + 1e-15));
       EXPECT_LE(friction.dot(Vt), 0.0);
     }
   }
-  EXPECT_EQ(RegularisedCoulomb::force(c, 1.0, Vector3(Vector3::Zero())), Vector3::Zero());
+  EXPECT_EQ(RegularisedCoulomb::force<double>(c, 1.0, Vector3(Vector3::Zero())), Vector3::Zero());
 }
 
 TEST(StaticFriction, IsASpringUpToTheCoulombLimit) {
   const ShearConstants c{.mu = 0.5};
   const Vector3 D(3e-6, 0, -4e-6);
-  EXPECT_TRUE(StaticFriction::force(c, 100.0, 1e6, Vector3::Zero(), D, false).isApprox(-1e6 * D));
-  EXPECT_NEAR(StaticFriction::force(c, 2.0, 1e6, Vector3::Zero(), D, false).norm(), 1.0, 1e-14);
+  EXPECT_TRUE(StaticFriction::force<double>(c, 100.0, 1e6, Vector3::Zero(), D, false).isApprox(-1e6 * D));
+  EXPECT_NEAR(StaticFriction::force<double>(c, 2.0, 1e6, Vector3::Zero(), D, false).norm(), 1.0, 1e-14);
 }
 
 TEST(StaticFriction, SettlingChangesNoForce) {
   const ShearConstants c{.mu = 0.5, .dashpot = 3.0};
   const Vector3 D(3e-6, 0, -4e-6), Vt(0.2, 0.1, 0.0);
   for (const double fn : {100.0, 2.0, 0.0}) {
-    const bool slides = StaticFriction::slides(c, fn, 1e6, Vt, D, false);
+    const bool slides = StaticFriction::slides<double>(c, fn, 1e6, Vt, D, false);
     EXPECT_EQ(slides, fn < 100.0);
-    const Vector3 settled = StaticFriction::settled(c, fn, 1e6, Vt, D, slides);
-    const Vector3 before = StaticFriction::force(c, fn, 1e6, Vt, D, false);
-    EXPECT_LT((StaticFriction::force(c, fn, 1e6, Vt, settled, false) - before).norm(), 1e-12);
+    const Vector3 settled = StaticFriction::settled<double>(c, fn, 1e6, Vt, D, slides);
+    const Vector3 before = StaticFriction::force<double>(c, fn, 1e6, Vt, D, false);
+    EXPECT_LT((StaticFriction::force<double>(c, fn, 1e6, Vt, settled, false) - before).norm(), 1e-12);
   }
 }
 
 TEST(Coulomb, PushesWithFullFrictionAsSoonAsItSlides) {
   const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 Vt(0.0, 0.0, 0.2);
-  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, -5.0)));
-  EXPECT_TRUE(Coulomb::settled(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, 5e-6)));
+  EXPECT_TRUE(Coulomb::force<double>(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, -5.0)));
+  EXPECT_TRUE(Coulomb::settled<double>(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, 5e-6)));
 }
 
 TEST(Coulomb, HoldsWhenTheVelocityTurnsBack) {
   const ShearConstants c{.mu = 0.5};
   const Vector3 D(2e-6, 0, 0), back(-0.1, 0, 0);
-  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, back, D, true).isApprox(Vector3(-2.0, 0, 0)));
-  EXPECT_FALSE(Coulomb::slides(c, 10.0, 1e6, back, D, true));
-  EXPECT_EQ(Coulomb::force(c, 10.0, 1e6, Vector3::Zero(), Vector3::Zero(), true), Vector3::Zero());
+  EXPECT_TRUE(Coulomb::force<double>(c, 10.0, 1e6, back, D, true).isApprox(Vector3(-2.0, 0, 0)));
+  EXPECT_FALSE(Coulomb::slides<double>(c, 10.0, 1e6, back, D, true));
+  EXPECT_EQ(Coulomb::force<double>(c, 10.0, 1e6, Vector3::Zero(), Vector3::Zero(), true), Vector3::Zero());
 }
 
 TEST(Coulomb, SlidesAgainWhenTheSpringIsLoadedToTheLimit) {
   const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 D(6e-6, 0, 0), Vt(0.1, 0, 0.1);
-  EXPECT_TRUE(Coulomb::slides(c, 10.0, 1e6, Vt, D, false));
-  EXPECT_TRUE(Coulomb::force(c, 10.0, 1e6, Vt, D, false).isApprox(-5.0 * Vt.normalized()));
+  EXPECT_TRUE(Coulomb::slides<double>(c, 10.0, 1e6, Vt, D, false));
+  EXPECT_TRUE(Coulomb::force<double>(c, 10.0, 1e6, Vt, D, false).isApprox(-5.0 * Vt.normalized()));
 }
 
 TEST(PairLaw, DefaultViscosityStopsSlidingWithinOneContactTime) {

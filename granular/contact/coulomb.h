@@ -6,7 +6,6 @@
 // turns back, the spring takes over. So sliding and holding do not chatter.
 #pragma once
 
-#include "granular/base/pose.h"
 #include "granular/contact/law_constants.h"
 #include "granular/contact/static_friction.h"
 
@@ -17,27 +16,35 @@ struct Coulomb {
 
   /// On particle 1, N. fn = magnitude of the normal force, N; kt = stiffness of the holding spring, N/m; Vt,
   /// m/s; D, m; slid = when the last sub-step was accepted, or the contact is new.
-  static Vector3 force(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                       bool slid) {
-    if (slides(c, fn, kt, Vt, D, slid) && isFast(c, fn, Vt)) return -c.mu * fn * Vt.normalized();
-    return StaticFriction::force(c, fn, kt, Vt, D, slid);
+  template <class Real>
+  static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                               const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
+                               const MaskOf<Real>& slid) {
+    const Vector3Of<Real> sliding = -c.mu * fn / sqrt(Vt.squaredNorm()) * Vt;
+    return select<Real>(slides(c, fn, kt, Vt, D, slid) && isFast(c, fn, Vt), sliding,
+                        StaticFriction::force(c, fn, kt, Vt, D, slid));
   }
   /// Whether it slides once the sub-step is accepted.
-  static bool slides(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                     bool slid) {
-    const bool goesOn = slid && isFast(c, fn, Vt) && D.dot(Vt) >= 0.0;
+  template <class Real>
+  static MaskOf<Real> slides(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                             const Vector3Of<Real>& Vt, const Vector3Of<Real>& D, const MaskOf<Real>& slid) {
+    const MaskOf<Real> goesOn = slid && isFast(c, fn, Vt) && D.dot(Vt) >= Real(0.0);
     return goesOn || StaticFriction::slides(c, fn, kt, Vt, D, slid);
   }
   /// D from then on, m: at the limit along Vt while it slides.
-  static Vector3 settled(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                         bool slides) {
-    if (slides && isFast(c, fn, Vt)) return c.mu * fn / kt * Vt.normalized();
-    return StaticFriction::settled(c, fn, kt, Vt, D, slides);
+  template <class Real>
+  static Vector3Of<Real> settled(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                                 const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
+                                 const MaskOf<Real>& slides) {
+    const Vector3Of<Real> sliding = c.mu * fn / kt / sqrt(Vt.squaredNorm()) * Vt;
+    return select<Real>(slides && isFast(c, fn, Vt), sliding,
+                        StaticFriction::settled(c, fn, kt, Vt, D, slides));
   }
 
  private:
-  static bool isFast(const ShearConstants& c, double fn, const Vector3& Vt) {
-    return Vt.norm() > c.mu * fn * c.slipCompliance;
+  template <class Real>
+  static MaskOf<Real> isFast(const ShearConstantsOf<Real>& c, const Real& fn, const Vector3Of<Real>& Vt) {
+    return sqrt(Vt.squaredNorm()) > c.mu * fn * c.slipCompliance;
   }
 };
 

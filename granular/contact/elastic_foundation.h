@@ -32,7 +32,10 @@ struct ElasticFoundation {
     return c.kr * xi;
   }
   static double elasticEnergy(const NormalConstants& c, double xi) { return 0.5 * c.kr * xi * xi; }
-  static double tangentStiffness(const NormalConstants& c, double) { return c.kr; }
+  template <class Real>
+  static Real tangentStiffness(const NormalConstantsOf<Real>& c, const Real&) {
+    return c.kr;
+  }
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
     return c.fixedUrgency;

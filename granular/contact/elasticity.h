@@ -3,7 +3,7 @@
 // 13, 14).
 #pragma once
 
-#include <cmath>
+#include "granular/base/pack.h"
 
 namespace granular {
 
@@ -15,24 +15,28 @@ struct ContactSide {
   double poissonRatio = 0.0;
 };
 
-/// The pair: all > 0.
-struct EffectiveContact {
-  double mass = 0.0;     ///< m_eff, kg (eq. 11); 1 kg where both sides are held, whose forces move nothing
-  double radius = 0.0;   ///< R_eff, m (eq. 13)
+/// The pair, or several of the same materials at a time: all > 0.
+template <class Real>
+struct EffectiveContactOf {
+  Real mass = 0.0;       ///< m_eff, kg (eq. 11); 1 kg where both sides are held, whose forces move nothing
+  Real radius = 0.0;     ///< R_eff, m (eq. 13)
   double modulus = 0.0;  ///< E_eff, Pa (eq. 14)
 
   /// Hertz stiffness kr, N/m^(3/2) (eq. 15).
-  double hertzStiffness() const { return 4.0 / 3.0 * modulus * std::sqrt(radius); }
+  Real hertzStiffness() const { return 4.0 / 3.0 * modulus * sqrt(radius); }
 };
+using EffectiveContact = EffectiveContactOf<double>;
+
+/// E_eff of two materials, Pa (eq. 14).
+inline double effectiveModulus(double modulus1, double poisson1, double modulus2, double poisson2) {
+  return 1.0 / ((1.0 - poisson1 * poisson1) / modulus1 + (1.0 - poisson2 * poisson2) / modulus2);
+}
 
 inline EffectiveContact effectiveContact(const ContactSide& a, const ContactSide& b) {
   const double inverseMass = a.inverseMass + b.inverseMass;
-  const auto compliance = [](const ContactSide& s) {
-    return (1.0 - s.poissonRatio * s.poissonRatio) / s.youngsModulus;
-  };
   return {.mass = inverseMass > 0.0 ? 1.0 / inverseMass : 1.0,
           .radius = 1.0 / (a.inverseRadius + b.inverseRadius),
-          .modulus = 1.0 / (compliance(a) + compliance(b))};
+          .modulus = effectiveModulus(a.youngsModulus, a.poissonRatio, b.youngsModulus, b.poissonRatio)};
 }
 
 }  // namespace granular

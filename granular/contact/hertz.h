@@ -14,6 +14,7 @@ namespace granular {
 /// template argument).
 template <int AlphaTimesFour>
 struct Hertz {
+  static_assert(AlphaTimesFour >= 0 && AlphaTimesFour <= 2);
   static constexpr double kAlpha = AlphaTimesFour / 4.0;
   static constexpr bool kByArea = false;
   static constexpr double kStiffnessPower = 0.5;  // tangentStiffness ~ xi^p
@@ -25,7 +26,10 @@ struct Hertz {
   static double elasticEnergy(const NormalConstants& c, double xi) {
     return 0.4 * c.kr * xi * xi * std::sqrt(xi);
   }
-  static double tangentStiffness(const NormalConstants& c, double xi) { return 1.5 * c.kr * std::sqrt(xi); }
+  template <class Real>
+  static Real tangentStiffness(const NormalConstantsOf<Real>& c, const Real& xi) {
+    return 1.5 * c.kr * sqrt(xi);
+  }
 
   /// With the present energy as that of an impact: v0^2 = xi'^2 + (4/5) (kr/m) xi^(5/2); (kr/m)^4 v0^2.
   template <class Real>
@@ -37,14 +41,25 @@ struct Hertz {
   static double dampingForRestitution(double e, bool attraction) {
     return granular::dampingForRestitution(kAlpha, 1.5, e, attraction);
   }
-  static NormalConstants constants(const NormalRequest& request) {
-    const double m = request.contact.mass;
-    const double kr = request.def.stiffness.value_or(request.contact.hertzStiffness());
-    const double kd = hertzDampingConstant(kAlpha, request.damping, kr, m, request.speed);
+  template <class Real>
+  static NormalConstantsOf<Real> constants(const NormalRequestOf<Real>& request) {
+    const Real m = request.contact.mass;
+    const Real kr = request.def.stiffness ? Real(*request.def.stiffness) : request.contact.hertzStiffness();
     return {.kr = kr,
-            .kd = request.def.damping.value_or(kd),
+            .kd = request.def.damping ? Real(*request.def.damping)
+                                      : dampingConstant(request.damping, kr, m, request.speed),
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr / m};
+  }
+
+  /// kd from the dimensionless damping D: D m (kr/m)^(2/5 (alpha + 1)) v^((1 - 4 alpha)/5); v = the speed at
+  /// which the restitution shall hold, m/s.
+  template <class Real>
+  static Real dampingConstant(double D, const Real& kr, const Real& m, double v) {
+    if constexpr (AlphaTimesFour == 1) return D * sqrt(kr * m);
+    // One over the root of the depth (m v^2/kr)^(2/5) of an impact at v.
+    const Real r = inverseFifthRoot(Real(m * (v * v) / kr));
+    return D * v * m * (AlphaTimesFour == 0 ? r * r : r * r * r);
   }
 };
 

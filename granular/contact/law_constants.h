@@ -36,9 +36,10 @@ struct ShearConstantsOf {
 };
 using ShearConstants = ShearConstantsOf<double>;
 
-/// What a normal law works its constants out from.
-struct NormalRequest {
-  EffectiveContact contact;
+/// What a normal law works its constants out from, for one contact or several at a time.
+template <class Real>
+struct NormalRequestOf {
+  EffectiveContactOf<Real> contact;
   double damping = 0.0;     ///< dimensionless, as the law's own dampingForRestitution returned it
   double speed = 1.0;       ///< at which the restitution shall hold, m/s
   double bodyLength = 0.0;  ///< depth of the elastic layer of bodies, m; laws by area only
@@ -47,12 +48,14 @@ struct NormalRequest {
 
   double smallestForce() const { return def.attraction ? -std::numeric_limits<double>::infinity() : 0.0; }
 };
+using NormalRequest = NormalRequestOf<double>;
 
 /// Duration of an elastic Hertz impact at speed v, s: 3.218065 (m^2 / (kr^2 v))^(1/5) (Landau & Lifshitz,
 /// Theory of Elasticity, sec. 9). mass = m_eff, kg.
 inline constexpr double kHertzTime = 3.2180653;
-inline double hertzContactTime(double kr, double mass, double v) {
-  return kHertzTime * std::pow(mass * mass / (kr * kr * v), 0.2);
+template <class Real>
+Real hertzContactTime(const Real& kr, const Real& mass, double v) {
+  return kHertzTime * inverseFifthRoot(Real(kr * kr * v / (mass * mass)));
 }
 
 /// How pressing a contact is, in a measure that costs no root: (kHertzTime / contact time)^10. The largest
@@ -60,8 +63,10 @@ inline double hertzContactTime(double kr, double mass, double v) {
 inline double contactTimeOfUrgency(double urgency) {
   return kHertzTime * std::pow(urgency, -0.1);
 }
-inline double urgencyOfContactTime(double time) {
-  return std::pow(kHertzTime / time, 10.0);
+template <class Real>
+Real urgencyOfContactTime(const Real& time) {
+  const Real x = kHertzTime / time, x2 = x * x, x5 = x2 * x2 * x;
+  return x5 * x5;
 }
 
 }  // namespace granular

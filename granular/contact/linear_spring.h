@@ -17,6 +17,7 @@
 namespace granular {
 
 struct LinearSpring {
+  static constexpr double kLargestDamping = 0.9;  // z beyond which the contact time counts as no longer
   static constexpr bool kByArea = false;
   static constexpr double kStiffnessPower = 0.0;  // tangentStiffness ~ xi^p
 
@@ -30,7 +31,10 @@ struct LinearSpring {
     return c.kr * xi;
   }
   static double elasticEnergy(const NormalConstants& c, double xi) { return 0.5 * c.kr * xi * xi; }
-  static double tangentStiffness(const NormalConstants& c, double) { return c.kr; }
+  template <class Real>
+  static Real tangentStiffness(const NormalConstantsOf<Real>& c, const Real&) {
+    return c.kr;
+  }
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
     return c.fixedUrgency;
@@ -47,6 +51,13 @@ struct LinearSpring {
     return std::log((z + s) / (z - s)) / s;
   }
 
+  /// Where a given damping decides z: one by one, a library's functions.
+  static double contactAngleOf(double z) { return contactAngle(std::min(z, kLargestDamping), false); }
+  template <class Real>
+  static Real contactAngleOf(const Real& z) {
+    return Real([&](auto lane) { return contactAngleOf(double{z[lane]}); });
+  }
+
   /// z for a restitution: e = exp(-z tau(z)), by bisection. With attraction z < 1 (eq. 9 over eq. 10).
   static double dampingForRestitution(double e, bool attraction) {
     if (e >= 1.0) return 0.0;
@@ -61,16 +72,20 @@ struct LinearSpring {
     return 0.5 * (low + high);
   }
 
-  static NormalConstants constants(const NormalRequest& request) {
-    const double m = request.contact.mass;
-    double z = request.damping;
-    const double time = request.def.contactTime.value_or(
-        hertzContactTime(request.contact.hertzStiffness(), m, request.speed));
-    const double frequency = contactAngle(z, request.def.attraction) / time;
-    const double kr = request.def.stiffness.value_or(m * frequency * frequency);
-    const double kd = request.def.damping.value_or(2.0 * z * std::sqrt(m * kr));
-    z = 0.5 * kd / std::sqrt(m * kr);
-    const double contactTime = contactAngle(std::min(z, 0.9), false) / std::sqrt(kr / m);
+  template <class Real>
+  static NormalConstantsOf<Real> constants(const NormalRequestOf<Real>& request) {
+    const NormalLawDef& def = request.def;
+    const Real m = request.contact.mass;
+    const double z = request.damping;
+    const Real time = def.contactTime
+                          ? Real(*def.contactTime)
+                          : hertzContactTime<Real>(request.contact.hertzStiffness(), m, request.speed);
+    const Real frequency = contactAngle(z, def.attraction) / time;
+    const Real kr = def.stiffness ? Real(*def.stiffness) : Real(m * frequency * frequency);
+    const Real kd = def.damping ? Real(*def.damping) : Real(2.0 * z * sqrt(m * kr));
+    const Real angle = def.damping ? contactAngleOf(Real(0.5 * kd / sqrt(m * kr)))
+                                   : Real(contactAngle(std::min(z, kLargestDamping), false));
+    const Real contactTime = angle / sqrt(kr / m);
     return {.kr = kr,
             .kd = kd,
             .smallestForce = request.smallestForce(),

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "granular/base/require.h"
 #include "granular/contact/law_list.h"
+#include "granular/contact/shear_constants.h"
 
 namespace granular {
 namespace {
@@ -14,8 +14,6 @@ namespace {
 // Below this a contact loses all but a ten-thousandth of its energy and the damping constant grows without
 // bound.
 constexpr double kSmallestRestitution = 0.01;
-// Of the holding spring of eq. 17 when nothing is given: it must not swing on.
-constexpr double kHoldingDamping = 0.5;
 
 void checkRestitution(double e, std::string_view field) {
   require(std::isfinite(e) && e >= kSmallestRestitution && e <= 1.0, field, e, "", "in [0.01, 1]");
@@ -62,30 +60,6 @@ double dampingOf(const NormalLawDef& def, double restitution) {
       def.law, [&]<class Law>(Law) { return Law::dampingForRestitution(restitution, def.attraction); });
 }
 
-/// area: what a law by area is multiplied with when all of a body touches, m^2; 1 for laws between particles.
-/// Given constants and masses are those of the whole contact.
-ShearConstants shearConstants(const MaterialPair& pair, const PairLaw& law, double mass, double area) {
-  const ShearLawDef& def = pair.def.shear;
-  const double v = pair.def.restitutionSpeed;
-  // The normal spring at half the deepest overlap of an impact at the reference speed.
-  const auto [time, stiffness] = withNormalLaw(law.normalLaw, [&]<class Law>(Law) {
-    const double t = contactTimeOfUrgency(Law::urgency(law.normal, 0.0, v));
-    return std::pair(t, area * Law::tangentStiffness(law.normal, 0.25 * v * t));
-  });
-  // 2/7: tangential effective mass of solid spheres over m_eff. The default viscosity brings a sliding
-  // contact to rest within one contact time, so that it asks for no shorter a sub-step than the normal law
-  // does.
-  const double tangentialMass = 2.0 / 7.0 * mass;
-  const double kt = def.stiffness.value_or(pair.shearModulusRatio * stiffness);
-  const double ratio = def.dampingRatio.value_or(def.law == ShearLaw::Coulomb ? kHoldingDamping : 0.0);
-  return {.mu = pair.friction,
-          .viscosity = def.viscosity.value_or(tangentialMass * std::numbers::pi / time) / area,
-          .stiffness = def.stiffness.value_or(0.0) / area,
-          .stiffnessRatio = pair.shearModulusRatio,
-          .slipCompliance = area / std::sqrt(kt * tangentialMass),
-          .dashpot = 2.0 * ratio * std::sqrt(kt * tangentialMass) / area};
-}
-
 }  // namespace
 
 void checkMaterial(const MaterialDef& def) {
@@ -112,6 +86,7 @@ MaterialPair combineMaterials(const MaterialDef& a, const MaterialDef& b, const 
   MaterialPair pair;
   pair.restitution = def.restitution.value_or(std::sqrt(a.restitution * b.restitution));
   pair.friction = def.friction.value_or(std::sqrt(a.friction * b.friction));
+  pair.modulus = effectiveModulus(a.youngsModulus, a.poissonRatio, b.youngsModulus, b.poissonRatio);
   pair.shearModulusRatio = mindlinRatio(a, b);
   pair.damping = dampingOf(def.normal, pair.restitution);
   pair.bodyDamping = dampingOf(def.bodyNormal, pair.restitution);
@@ -125,18 +100,19 @@ PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide&
   const auto other = [](double own, double others) { return own > 0.0 ? own : others; };
   NormalRequest request;
   request.contact = effectiveContact(a.contact, b.contact);
-  request.damping = ofBodies ? pair.bodyDamping : pair.damping;
+  request.damping = pair.dampingOf(ofBodies);
   request.speed = pair.def.restitutionSpeed;
   request.bodyLength = 0.5 * (other(a.bodyLength, b.bodyLength) + other(b.bodyLength, a.bodyLength));
   request.bodyArea = std::min(other(a.bodyArea, b.bodyArea), other(b.bodyArea, a.bodyArea));
-  request.def = ofBodies ? pair.def.bodyNormal : pair.def.normal;
+  request.def = pair.normalOf(ofBodies);
 
   PairLaw law;
   law.normalLaw = request.def.law;
   law.shearLaw = pair.def.shear.law;
-  law.normal = withNormalLaw(law.normalLaw, [&]<class Law>(Law) { return Law::constants(request); });
-  const bool byArea = withNormalLaw(law.normalLaw, []<class Law>(Law) { return Law::kByArea; });
-  law.shear = shearConstants(pair, law, request.contact.mass, byArea ? request.bodyArea : 1.0);
+  withNormalLaw(law.normalLaw, [&]<class Law>(Law) {
+    law.normal = Law::constants(request);
+    law.shear = shearConstants<Law>(pair, law.normal, request.contact.mass, Law::kByArea ? request.bodyArea : 1.0);
+  });
   return law;
 }
 

@@ -18,11 +18,15 @@ void checkMaterialPair(const MaterialPairDef& def);
 struct MaterialPair {
   double restitution = 1.0;
   double friction = 0.0;
+  double modulus = 0.0;      ///< E_eff, Pa (eq. 14)
   double shearModulusRatio =
       0.0;                   ///< tangential over normal stiffness of a pressed contact, after Mindlin 1949
   double damping = 0.0;      ///< dimensionless, of the normal law between grains
   double bodyDamping = 0.0;  ///< the same between bodies
   MaterialPairDef def;
+
+  const NormalLawDef& normalOf(bool ofBodies) const { return ofBodies ? def.bodyNormal : def.normal; }
+  double dampingOf(bool ofBodies) const { return ofBodies ? bodyDamping : damping; }
 };
 MaterialPair combineMaterials(const MaterialDef& a, const MaterialDef& b, const MaterialPairDef& def);
 

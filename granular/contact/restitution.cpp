@@ -65,8 +65,4 @@ double dampingForRestitution(double alpha, double beta, double e, bool attractio
   return 0.5 * (low + high);
 }
 
-double hertzDampingConstant(double alpha, double D, double kr, double mass, double v) {
-  return D * mass * std::pow(kr / mass, 0.4 * (alpha + 1.0)) * std::pow(v, 0.2 * (1.0 - 4.0 * alpha));
-}
-
 }  // namespace granular

@@ -14,8 +14,4 @@ double restitutionOfDamping(double alpha, double beta, double D, bool attraction
 /// The D that gives restitution e in [0.01, 1].
 double dampingForRestitution(double alpha, double beta, double e, bool attraction = false);
 
-/// Damping constant kd of eqs. 6-7 from D, for beta = 3/2: kd = D m (kr/m)^(2/5 (alpha+1)) v^((1 - 4
-/// alpha)/5). mass = m_eff, kg; v = the speed at which the restitution shall hold, m/s.
-double hertzDampingConstant(double alpha, double D, double kr, double mass, double v);
-
 }  // namespace granular

@@ -6,7 +6,6 @@
 // friction can hold.
 #pragma once
 
-#include "granular/base/pose.h"
 #include "granular/contact/law_constants.h"
 
 namespace granular {
@@ -16,25 +15,33 @@ struct StaticFriction {
 
   /// On particle 1, N. fn = magnitude of the normal force, N; kt = tangential stiffness, N/m; Vt, m/s; D, m.
   /// Whether the contact slid before is no matter here.
-  static Vector3 force(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                       bool) {
-    return -limited(c.mu * fn, kt * D + c.dashpot * Vt);
+  template <class Real>
+  static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                               const Vector3Of<Real>& Vt, const Vector3Of<Real>& D, const MaskOf<Real>&) {
+    return -limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt);
   }
   /// Whether friction is at its limit once the sub-step is accepted.
-  static bool slides(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                     bool) {
-    return (kt * D + c.dashpot * Vt).squaredNorm() > c.mu * fn * c.mu * fn;
+  template <class Real>
+  static MaskOf<Real> slides(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                             const Vector3Of<Real>& Vt, const Vector3Of<Real>& D, const MaskOf<Real>&) {
+    const Vector3Of<Real> T = kt * D + c.dashpot * Vt;
+    return T.squaredNorm() > c.mu * fn * c.mu * fn;
   }
   /// D from then on, m: the same force at the limit.
-  static Vector3 settled(const ShearConstants& c, double fn, double kt, const Vector3& Vt, const Vector3& D,
-                         bool slides) {
-    return slides ? Vector3((limited(c.mu * fn, kt * D + c.dashpot * Vt) - c.dashpot * Vt) / kt) : D;
+  template <class Real>
+  static Vector3Of<Real> settled(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
+                                 const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
+                                 const MaskOf<Real>& slides) {
+    const Vector3Of<Real> atLimit =
+        (limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt) - c.dashpot * Vt) / kt;
+    return select<Real>(slides, atLimit, D);
   }
 
   /// T, or as much of it as the limit allows, N.
-  static Vector3 limited(double limit, const Vector3& T) {
-    const double size = T.norm();
-    return size > limit ? Vector3(limit / size * T) : T;
+  template <class Real>
+  static Vector3Of<Real> limited(const Real& limit, const Vector3Of<Real>& T) {
+    const Real size = sqrt(T.squaredNorm());
+    return select(size > limit, Real(limit / size), Real(1.0)) * T;
   }
 };
 

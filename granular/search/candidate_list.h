@@ -121,7 +121,9 @@ class CandidateIncidence {
   void rebuild(const CandidateList& list, const SearchInput& input, std::span<const std::int32_t> patchOfSlot,
                std::int32_t patchCount);
 
-  /// Candidates.
+  /// Candidates of patch p: entries()[starts()[p] .. starts()[p + 1]).
+  std::span<const std::int32_t> starts() const { return start_; }
+  std::span<const std::int32_t> entries() const { return entries_; }
   std::span<const std::int32_t> of(std::int32_t patch) const {
     return std::span(entries_).subspan(start_[patch], start_[patch + 1] - start_[patch]);
   }

@@ -337,7 +337,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   const Vector3 center = s.bodies[id.index].motion.pose.position;
   Wrench sum;
   s.evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& f, const PairLaw&) {
+      [&](const detail::Contact& contact, const detail::ContactForce& f) {
         const bool first = layout.ownerOfSlot[contact.slot1] == owner;
         if (!first && layout.ownerOfSlot[contact.slot2] != owner) return;
         const Vector3 force = first ? f.force : Vector3(-f.force);
@@ -490,7 +490,7 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
   impl_->evaluateNow(0.0);
   const detail::Layout& layout = impl_->evaluation.layout();
   impl_->evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& f, const PairLaw&) {
+      [&](const detail::Contact& contact, const detail::ContactForce& f) {
         ContactView view;
         const std::int32_t slots[2] = {contact.slot1, contact.slot2};
         for (int side = 0; side < 2; ++side) {

@@ -11,6 +11,9 @@ namespace {
 constexpr std::int32_t kOwnersPerPiece = 256;
 constexpr std::int32_t kPatchesPerPiece = 256;
 
+// How many places ahead the state of an owner is asked for: owners lie in another order than places.
+constexpr std::int32_t kPlacesAhead = 8;
+
 // Skin of the first candidate list in smallest radii; it adapts.
 constexpr double kFirstSkin = 0.3;
 // Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
@@ -34,9 +37,8 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
                        const std::vector<MaterialDef>& materials) {
   materialPairs_ = materialPairs;
   materials_ = materials;
-  owners_.assign(layout_.owners.size(), OwnerRow{});
-  particles_.assign(layout_.particleCount, ParticleRow{});
-  rotations_.assign(layout_.owners.size(), Matrix3::Identity());
+  layRows();
+  rotations_.assign(layout_.owners.size() - layout_.dynamicGrains, Matrix3::Identity());
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
   memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
@@ -49,11 +51,29 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   placeFixed();
 }
 
+/// All of the rows that time does not change.
+void Evaluation::layRows() {
+  owners_.assign(layout_.owners.size(), OwnerRow{});
+  particles_.assign(layout_.particleCount, ParticleRow{});
+  heatOfOwner_.assign(layout_.owners.size(), 0.0);
+  for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
+    const Owner& owner = layout_.owners[o];
+    OwnerRow& row = rowOf(o);
+    row.inverseMass = owner.inverseMass;
+    row.reach = owner.reach;
+    row.material = owner.material;
+    row.isBody = owner.kind == OwnerKind::Body;
+    for (std::size_t k = 0; k < owner.particles.size(); ++k) {
+      particles_[owner.firstSlot + k].radius = owner.scale * owner.particles[k].radius;
+    }
+  }
+}
+
 void Evaluation::placeFixed() {
   for (std::int32_t b = 0; b < static_cast<std::int32_t>(surroundings_.fixed.size()); ++b) {
     const std::int32_t o = layout_.movingCount() + b;
-    owners_[o].velocity.setZero();
-    owners_[o].angularVelocity.setZero();
+    rowOf(o).velocity.setZero();
+    rowOf(o).angularVelocity.setZero();
     placeOwner(o, surroundings_.fixed[b].pose.position, surroundings_.fixed[b].pose.orientation);
   }
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
@@ -64,34 +84,92 @@ void Evaluation::placeFixed() {
 
 void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
   ++evaluations;
-  placeParticles(at.time, y);         // pose -> particle positions, x + R s_i              sec. 3.1
-  updateCandidates();                 // only when something has moved half a skin          sec. 3.2
-  findContacts();                     // candidates -> pairs with overlap > 0               eq. 1
-  computeContactForces(at, y, rate);  // relative velocity, normal law, shear law           eqs. 2-19
-  sumWrenches();                      // by rank -> wrench of each grain and moving body    sec. 3.1
-  computeAccelerations(y, rate);      // gravity, loads, rigid-body equations of motion     sec. 3.4
+  placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
+  updateCandidates();          // only when something has moved half a skin                 sec. 3.2
+  const ContactArrays arrays = arraysAt(at, y, rate);
+  findContacts(arrays);                   // candidates -> pairs with overlap > 0           eq. 1
+  computeContactForces(arrays, y, rate);  // relative velocity, normal law, shear law       eqs. 2-19
+  sumWrenches(arrays);                    // by rank -> wrench of each grain and moving body    sec. 3.1
+  computeAccelerations(y, rate);          // gravity, loads, rigid-body equations of motion     sec. 3.4
+}
+
+/// What the kernels read and fill.
+ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
+  return {.particleCount = layout_.particleCount,
+          .dynamicParticles = layout_.dynamicParticles,
+          .particles = particles_.data(),
+          .owners = owners_.data(),
+          .placeOfSlot = layout_.placeOfSlot.data(),
+          .rowStart = list_.rowStart().data(),
+          .partner = list_.partner().data(),
+          .contacts = contacts_.data(),
+          .contactOfCandidate = contactOfCandidate_.data(),
+          .contactsOfRow = contactsOfRow_.data(),
+          .forces = forces_.data(),
+          .memoryOfCandidate = memoryOfCandidate_.data(),
+          .memory = memory_.data(),
+          .displacements = y.data() + stateSize(),
+          .displacementRates = rate.data() + stateSize(),
+          .contactMemory = contactMemory_.data(),
+          .at = at,
+          .placeOfPatch = layout_.placeOfPatch.data(),
+          .slotOfPatch = layout_.slotOfPatch.data(),
+          .incidenceStart = incidence_.starts().data(),
+          .incidenceEntries = incidence_.entries().data(),
+          .wrenches = patchWrenches_.data()};
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
   const Owner& owner = layout_.owners[o];
-  owners_[o].center = position;
-  if (owner.isSphere) {
-    particles_[owner.firstSlot] = {position.x(), position.y(), position.z(),
-                                   owner.scale * owner.particles.front().radius};
-    return;
-  }
+  rowOf(o).center = position;
   const Matrix3 rotation = owner.scale * orientation.toRotationMatrix();
-  if (owner.kind == OwnerKind::Body) rotations_[o] = rotation;
+  if (owner.kind == OwnerKind::Body) rotations_[o - layout_.dynamicGrains] = rotation;
   ParticleRow* row = particles_.data() + owner.firstSlot;
   for (const ShapeParticle& particle : owner.particles) {
     const Vector3 p = position + rotation * particle.position;
-    *row++ = {p.x(), p.y(), p.z(), owner.scale * particle.radius};
+    row->x = p.x(), row->y = p.y(), row->z = p.z();
+    ++row;
   }
+}
+
+/// Asks for the numbers in y, a state or its rate, of an owner some places ahead.
+void Evaluation::prefetchState(std::int32_t place, const double* y) const {
+  if (place + kPlacesAhead >= layout_.dynamicCount()) return;
+  const double* own = y + layout_.ownerOfPlace[place + kPlacesAhead] * state::kSize;
+  __builtin_prefetch(own);
+  __builtin_prefetch(own + state::kVelocity);
+}
+
+/// Rows of the owner in this place, and how fast its fastest point may be, m/s.
+double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<double>& y) {
+  const std::int32_t o = layout_.ownerOfPlace[place];
+  OwnerRow& row = owners_[place];
+  if (o >= layout_.dynamicCount()) {
+    const RigidMotion& start = surroundings_.kinematic[o - layout_.dynamicCount()];
+    const RigidMotion now = advanced(start, t);
+    placeOwner(o, now.pose.position, now.pose.orientation);
+    row.velocity = now.velocity;
+    row.angularVelocity = now.angularVelocity;
+  } else {
+    const double* own = y.data() + o * state::kSize;
+    row.velocity = vectorAt(own, state::kVelocity);
+    if (const double inverseInertia = layout_.sphereInverseInertia[o]; inverseInertia > 0.0) {
+      row.center = vectorAt(own, state::kPosition);
+      row.angularVelocity = inverseInertia * vectorAt(own, state::kAngularMomentum);
+      ParticleRow& particle = particles_[layout_.slotOfPlace[place]];
+      particle.x = row.center.x(), particle.y = row.center.y(), particle.z = row.center.z();
+    } else {
+      const Quaternion orientation = orientationAt(own);
+      placeOwner(o, vectorAt(own, state::kPosition), orientation);
+      row.angularVelocity =
+          angularVelocityOf(layout_.owners[o], orientation, vectorAt(own, state::kAngularMomentum));
+    }
+  }
+  return row.velocity.norm() + row.angularVelocity.norm() * row.reach;
 }
 
 void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::PlaceParticles)]);
-  const std::int32_t dynamic = layout_.dynamicCount();
   const std::int32_t moving = layout_.movingCount();
   const std::int32_t pieces = Executor::pieceCount(moving, kOwnersPerPiece);
   pieceMaximum_.assign(pieces, 0.0);
@@ -99,28 +177,14 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   const bool compare = listIsCurrent_;
   executor_.forPieces(pieces, [&](std::int32_t piece) {
     double move = 0.0, speed = 0.0;
-    const std::int32_t end = std::min(moving, (piece + 1) * kOwnersPerPiece);
-    for (std::int32_t n = piece * kOwnersPerPiece; n < end; ++n) {
-      const std::int32_t o = n < dynamic ? layout_.slotOrder[n] : n;
-      const Owner& owner = layout_.owners[o];
-      OwnerRow& row = owners_[o];
-      if (o < dynamic) {
-        const double* own = y.data() + o * state::kSize;
-        const Quaternion orientation = orientationAt(own);
-        placeOwner(o, vectorAt(own, state::kPosition), orientation);
-        row.velocity = vectorAt(own, state::kVelocity);
-        row.angularVelocity = angularVelocityOf(owner, orientation, vectorAt(own, state::kAngularMomentum));
-      } else {
-        const RigidMotion& start = surroundings_.kinematic[o - dynamic];
-        const RigidMotion now = advanced(start, t);
-        placeOwner(o, now.pose.position, now.pose.orientation);
-        row.velocity = now.velocity;
-        row.angularVelocity = now.angularVelocity;
-      }
-      speed = std::max(speed, row.velocity.norm() + row.angularVelocity.norm() * owner.reach);
-      if (!compare) continue;
-      const auto count = static_cast<std::int32_t>(owner.particles.size());
-      for (std::int32_t slot = owner.firstSlot; slot < owner.firstSlot + count; ++slot) {
+    const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
+    for (std::int32_t place = begin; place < end; ++place) {
+      prefetchState(place, y.data());
+      speed = std::max(speed, placeMoving(place, t, y));
+    }
+    if (compare) {
+      const std::int32_t slots = layout_.slotOfPlace[end];
+      for (std::int32_t slot = layout_.slotOfPlace[begin]; slot < slots; ++slot) {
         const ParticleRow &a = particles_[slot], &b = listedParticles_[slot];
         const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
         move = std::max(move, dx * dx + dy * dy + dz * dz);
@@ -138,92 +202,78 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
 }
 
-/// What touches the patch: first the contacts in its own rows, then those in the rows of others.
-PatchWrench Evaluation::wrenchOfPatch(std::int32_t patch) const {
-  const Vector3 center = owners_[layout_.ownerOfPatch[patch]].center;
-  PatchWrench sum;
-  const auto [firstSlot, lastSlot] = layout_.slotsOfPatch(patch);
-  for (std::int32_t slot = firstSlot; slot < std::min(lastSlot, layout_.dynamicParticles); ++slot) {
-    const auto [first, last] = contactsOfRow_[slot];
-    for (std::int32_t n = first; n < last; ++n) {
-      const ContactForce& contact = forces_[n];
-      sum.force += contact.force;
-      sum.torque += (contact.point - center).cross(contact.force);
-      sum.dissipation += contact.dissipation;
-    }
-  }
-  for (const std::int32_t candidate : incidence_.of(patch)) {
-    const std::int32_t n = contactOfCandidate_[candidate];
-    if (n < 0) continue;
-    const ContactForce& contact = forces_[n];
-    sum.force -= contact.force;
-    sum.torque -= (contact.point - center).cross(contact.force);
-  }
-  return sum;
-}
-
-void Evaluation::sumWrenches() {
+void Evaluation::sumWrenches(const ContactArrays& arrays) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::SumWrenches)]);
   executor_.forRanges(layout_.patchCount, kPatchesPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t patch = begin; patch < end; ++patch) {
-      patchWrenches_[patch] = wrenchOfPatch(static_cast<std::int32_t>(patch));
-    }
+    kernels_->sumWrenches(arrays, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
   });
+}
+
+/// Rate of the owner in this place under what contacts do to it.
+void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
+                            std::vector<double>& rate) const {
+  const std::int32_t o = layout_.ownerOfPlace[place];
+  const OwnerRow& row = owners_[place];
+  const double* own = y.data() + o * state::kSize;
+  double* out = rate.data() + o * state::kSize;
+  vectorAt(out, state::kPosition) = row.velocity;
+  const double* q = own + state::kOrientation;
+  const Quaternion spin =
+      Quaternion(0.0, row.angularVelocity.x(), row.angularVelocity.y(), row.angularVelocity.z()) *
+      Quaternion(q[0], q[1], q[2], q[3]);
+  double* qDot = out + state::kOrientation;
+  qDot[0] = 0.5 * spin.w(), qDot[1] = 0.5 * spin.x(), qDot[2] = 0.5 * spin.y(), qDot[3] = 0.5 * spin.z();
+  const std::int32_t body = o - layout_.dynamicGrains;  // negative for grains
+  if (body < 0) {
+    vectorAt(out, state::kVelocity) = row.inverseMass * contact.force + surroundings_.gravity;
+    vectorAt(out, state::kAngularMomentum) = contact.torque;
+    return;
+  }
+  const Owner& owner = layout_.owners[o];
+  const Wrench& load = surroundings_.bodyLoad[body];
+  const Vector3 acceleration = owner.inverseMass * contact.force + surroundings_.bodyGravity[body];
+  vectorAt(out, state::kVelocity) =
+      owner.linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
+  vectorAt(out, state::kAngularMomentum) = owner.angularFactor.cwiseProduct(contact.torque) + load.torque;
+}
+
+/// What contacts did to a moving body, and work: by its load, or by the body itself where the host moves it.
+void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const {
+  const std::int32_t o = layout_.dynamicGrains + body;
+  const OwnerRow& row = rowOf(o);
+  double* to = rate.data() + tallyAt(body);
+  vectorAt(to, state::kImpulse) = contact.force;
+  vectorAt(to, state::kAngularImpulse) = contact.torque;
+  if (o < layout_.dynamicCount()) {
+    const Wrench& load = surroundings_.bodyLoad[body];
+    to[state::kWork] = load.force.dot(row.velocity) + load.torque.dot(row.angularVelocity);
+  } else {
+    to[state::kWork] = -contact.force.dot(row.velocity) - contact.torque.dot(row.angularVelocity);
+  }
 }
 
 void Evaluation::computeAccelerations(const std::vector<double>& y, std::vector<double>& rate) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeAccelerations)]);
-  const std::int32_t dynamic = layout_.dynamicCount();
   const std::int32_t moving = layout_.movingCount();
-  const std::int32_t pieces = Executor::pieceCount(moving, kOwnersPerPiece);
-  pieceSum_.assign(pieces, 0.0);
-  executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const std::int32_t end = std::min(moving, (piece + 1) * kOwnersPerPiece);
-    for (std::int32_t o = piece * kOwnersPerPiece; o < end; ++o) {
-      const Owner& owner = layout_.owners[o];
-      const OwnerRow& row = owners_[o];
+  executor_.forRanges(moving, kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (auto place = static_cast<std::int32_t>(begin); place < end; ++place) {
+      const std::int32_t o = layout_.ownerOfPlace[place];
+      prefetchState(place, y.data());
+      prefetchState(place, rate.data());
       PatchWrench contact;
-      for (std::int32_t patch = owner.firstPatch; patch < owner.firstPatch + owner.patchCount; ++patch) {
+      for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1];
+           ++patch) {
         contact.force += patchWrenches_[patch].force;
         contact.torque += patchWrenches_[patch].torque;
         contact.dissipation += patchWrenches_[patch].dissipation;
       }
-      pieceSum_[piece] += contact.dissipation;
-
-      const std::int32_t body = o - layout_.dynamicGrains;  // negative for grains
-      Wrench load;
-      Vector3 gravity = surroundings_.gravity;
-      if (body >= 0 && o < dynamic) {
-        load = surroundings_.bodyLoad[body];
-        gravity = surroundings_.bodyGravity[body];
-      }
-      if (body >= 0) {
-        double* tally = rate.data() + tallyAt(body);
-        vectorAt(tally, state::kImpulse) = contact.force;
-        vectorAt(tally, state::kAngularImpulse) = contact.torque;
-        tally[state::kWork] =
-            o < dynamic ? load.force.dot(row.velocity) + load.torque.dot(row.angularVelocity)
-                        : -contact.force.dot(row.velocity) - contact.torque.dot(row.angularVelocity);
-      }
-      if (o >= dynamic) continue;
-
-      const double* own = y.data() + o * state::kSize;
-      double* out = rate.data() + o * state::kSize;
-      vectorAt(out, state::kPosition) = row.velocity;
-      const double* q = own + state::kOrientation;
-      const Quaternion spin =
-          Quaternion(0.0, row.angularVelocity.x(), row.angularVelocity.y(), row.angularVelocity.z()) *
-          Quaternion(q[0], q[1], q[2], q[3]);
-      double* qDot = out + state::kOrientation;
-      qDot[0] = 0.5 * spin.w(), qDot[1] = 0.5 * spin.x(), qDot[2] = 0.5 * spin.y(), qDot[3] = 0.5 * spin.z();
-      const Vector3 acceleration = owner.inverseMass * contact.force + gravity;
-      vectorAt(out, state::kVelocity) =
-          owner.linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
-      vectorAt(out, state::kAngularMomentum) = owner.angularFactor.cwiseProduct(contact.torque) + load.torque;
+      heatOfOwner_[o] = contact.dissipation;
+      if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);
+      if (o < layout_.dynamicCount()) accelerate(place, contact, y, rate);
     }
   });
   double heat = 0.0;
-  for (std::int32_t piece = 0; piece < pieces; ++piece) heat += pieceSum_[piece];
+  for (std::int32_t o = 0; o < moving; ++o) heat += heatOfOwner_[o];
   rate[heatAt()] = heat;
 }
 

@@ -15,8 +15,9 @@
 #include "granular/contact/pair_law.h"
 #include "granular/dynamics/equations.h"
 #include "granular/search/candidate_list.h"
+#include "granular/system/detail/contact_kernels.h"
+#include "granular/system/detail/contact_rows.h"
 #include "granular/system/detail/layout.h"
-#include "granular/system/detail/owner_row.h"
 #include "granular/system/step_report.h"
 
 namespace granular::detail {
@@ -30,36 +31,6 @@ struct Surroundings {
   std::vector<RigidMotion> fixed;      ///< [static body]
 };
 
-/// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
-struct Contact {
-  std::int32_t slot1, slot2;
-  std::int32_t candidate;
-};
-
-/// What a contact does: one cache line.
-struct ContactForce {
-  Vector3 force;       ///< on the owner of particle 1, N, world
-  Vector3 point;       ///< where it acts, m, world
-  double dissipation;  ///< power turned into heat, W
-  double overlap;      ///< m
-};
-static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
-
-/// A contact that remembers (eq. 19); its displacement is in the state vector.
-struct MemoryEntry {
-  std::int32_t rank1, rank2;
-  double stiffness;  ///< of its spring when the last sub-step was accepted, N/m
-  double energy;     ///< in it, then, J
-  bool slides;       ///< then
-};
-
-/// Wrench about the owner's centre and heat, of a patch or an owner.
-struct PatchWrench {
-  Vector3 force = Vector3::Zero();
-  Vector3 torque = Vector3::Zero();
-  double dissipation = 0.0;
-};
-
 /// What step control wants to know of an evaluation.
 struct EvaluationSummary {
   std::int64_t contacts = 0;
@@ -71,7 +42,7 @@ struct EvaluationSummary {
 
 class Evaluation {
  public:
-  explicit Evaluation(int threads) : executor_(threads) {}
+  explicit Evaluation(int threads) : executor_(threads), kernels_(&contactKernels()) {}
 
   /// Takes a new layout. Everything kept is thrown away.
   void reset(const std::vector<MaterialPair>& materialPairs, const std::vector<MaterialDef>& materials);
@@ -115,7 +86,7 @@ class Evaluation {
   std::int64_t candidateCount() const { return list_.size(); }
   double relativeOverlap(const Contact& contact, double overlap) const;  ///< in smaller radii of the pair
   double elasticEnergy(const Contact& contact, const ContactForce& force) const;  ///< of the normal spring, J
-  /// body(contact, its force, its law) for every contact, by rank of particle 1, then of particle 2.
+  /// body(contact, its force) for every contact, by rank of particle 1, then of particle 2.
   template <class Body>
   void forEachContact(Body&& body) const;
 
@@ -127,18 +98,29 @@ class Evaluation {
  private:
   void placeParticles(double t, const std::vector<double>& y);
   void updateCandidates();
-  void findContacts();
-  void computeContactForces(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
-  void sumWrenches();
+  void findContacts(const ContactArrays& arrays);
+  void computeContactForces(const ContactArrays& arrays, const std::vector<double>& y,
+                            std::vector<double>& rate);
+  void sumWrenches(const ContactArrays& arrays);
   void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
 
+  void layRows();
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
-  PatchWrench wrenchOfPatch(std::int32_t patch) const;
+  void prefetchState(std::int32_t place, const double* y) const;
+  double placeMoving(std::int32_t place, double t, const std::vector<double>& y);
+  void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
+                  std::vector<double>& rate) const;
+  void tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const;
   void adaptSkin();
   void sortSlots();
   void rebuildCandidates();
+  ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
   void makePairLaws();
-  const PairLaw& pairLaw(const Contact& contact) const;
+  /// Where an owner's row is.
+  const Matrix3& rotationOf(std::int32_t body) const { return rotations_[body - layout_.dynamicGrains]; }
+  OwnerRow& rowOf(std::int32_t o) { return owners_[layout_.placeOfOwner[o]]; }
+  const OwnerRow& rowOf(std::int32_t o) const { return owners_[layout_.placeOfOwner[o]]; }
+  PairLaw pairLaw(const Contact& contact) const;
   PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
   void noteLaws();
   void placeSurface(std::int32_t s);
@@ -148,18 +130,22 @@ class Evaluation {
   /// Whether contact n, -1 for none, is one: findContacts may also offer pairs that turn out to be apart.
   bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
 
-  /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.
-  struct Extremes {
-    double urgency = 0.0, overlap = 0.0;
-    std::int32_t contacts = 0, pushing = 0;
-  };
   template <class Normal, class Shear>
   void forceOf(std::int32_t n, const Moment& at, const double* y, double* rate, Extremes& extremes);
-  template <class Normal, class Shear>
-  void forcesOfPack(std::span<const std::int32_t> which, Extremes& extremes);
-  template <class Normal, class Shear>
-  void forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y, double* rate,
-                   Extremes& extremes);
+  /// What decides the constants of a contact beside sizes and masses.
+  struct PairRule {
+    const MaterialPair* pair;
+    bool ofBodies;
+    bool isPacked;  ///< between two particles, under laws that kernels know
+    friend bool operator==(const PairRule&, const PairRule&) = default;
+  };
+  PairRule ruleOf(const Contact& contact) const;
+  PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies, bool ofParticles) const;
+  std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
+  void forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays, const double* y,
+                     double* rate, Extremes& extremes);
+  void forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at, const double* y,
+                      double* rate, Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
   bool foundationGeometry(const Contact& contact, const Vector3& center, ContactGeometry& geometry) const;
@@ -167,11 +153,12 @@ class Evaluation {
   Layout layout_;
   Surroundings surroundings_;
   Executor executor_;
+  const ContactKernels* kernels_;
   std::vector<MaterialPair> materialPairs_;
   std::vector<MaterialDef> materials_;
 
-  std::vector<OwnerRow> owners_;
-  std::vector<Matrix3> rotations_;  // of bodies
+  std::vector<OwnerRow> owners_;    // by place
+  std::vector<Matrix3> rotations_;  // of bodies; body owner o is at o - layout_.dynamicGrains
   std::vector<ParticleRow> particles_, listedParticles_;
   std::vector<SurfaceRow> surfaces_, listedSurfaces_;
   double listedExtent_ = 0.0;  // of all dynamic particles when the list was made, m
@@ -183,15 +170,15 @@ class Evaluation {
   bool slotsAreSorted_ = false;
   double largestMoveSquared_ = 0.0;
 
-  bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): one law a candidate
+  bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): made where one is asked for
   std::vector<PairLaw> pairLaws_;
+  bool isUniform_ = false;  // all grains, all of one material: one rule
   bool hasMemory_ = false;  // some pair remembers: otherwise nothing is stored for it
-  bool oneKernel_ = true;   // every pair has the same two laws
 
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
   std::vector<std::int32_t> contactOfCandidate_;                      // -1: apart
-  std::vector<std::pair<std::int32_t, std::int32_t>> contactsOfRow_;  // [first, last), by slot of particle 1
+  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
   std::vector<PatchWrench> patchWrenches_;
@@ -199,7 +186,8 @@ class Evaluation {
   std::vector<MemoryEntry> memory_;              // by rank1, then rank2; entry m is at stateSize() + 3 m of y
   std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
   std::vector<ContactMemory> contactMemory_;     // by contact
-  std::vector<double> pieceMaximum_, pieceMaximum2_, pieceSum_;
+  std::vector<double> pieceMaximum_, pieceMaximum2_;
+  std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;
 };
 
@@ -209,7 +197,7 @@ void Evaluation::forEachContact(Body&& body) const {
     const std::int32_t slot = layout_.slotOfRank[rank];
     for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
       const std::int32_t n = contactOfCandidate_[c];
-      if (touches(n)) body(contacts_[n], forces_[n], pairLaw(contacts_[n]));
+      if (touches(n)) body(contacts_[n], forces_[n]);
     }
   }
 }

@@ -25,8 +25,8 @@ void Evaluation::placeSurface(std::int32_t s) {
   const Owner& owner = layout_.owners[o];
   surfaces_[s].shape = owner.exact;
   surfaces_[s].boundingRadius = boundingRadius(*owner.exact);
-  surfaces_[s].point = owners_[o].center + rotations_[o] * owner.exactPose.position;
-  surfaces_[s].rotation = rotations_[o] * owner.exactPose.orientation.toRotationMatrix();
+  surfaces_[s].point = rowOf(o).center + rotationOf(o) * owner.exactPose.position;
+  surfaces_[s].rotation = rotationOf(o) * owner.exactPose.orientation.toRotationMatrix();
 }
 
 /// How far any point of the surface near a particle has moved since the list was made, at most, m.
@@ -80,7 +80,7 @@ void Evaluation::sortSlots() {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double cell =
-          std::clamp(std::floor(owners_[o].center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
+          std::clamp(std::floor(rowOf(o).center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
       key |= spread(static_cast<std::uint64_t>(cell)) << axis;
     }
     keyed[o] = {key, o};
@@ -90,11 +90,13 @@ void Evaluation::sortSlots() {
   std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
 
   const std::vector<ParticleRow> before = particles_;
-  const std::vector<std::int32_t> slotBefore = layout_.slotOfRank;
+  const std::vector<std::int32_t> slotBefore = layout_.slotOfRank, placeBefore = layout_.placeOfOwner;
+  const std::vector<OwnerRow> ownersBefore = owners_;
   layout_.assignSlots(std::move(order));
   for (std::int32_t rank = 0; rank < layout_.particleCount; ++rank) {
     particles_[layout_.slotOfRank[rank]] = before[slotBefore[rank]];
   }
+  for (std::int32_t o = 0; o < dynamic; ++o) rowOf(o) = ownersBefore[placeBefore[o]];
   list_.reset(layout_.particleCount, layout_.largestRadius, list_.skin());
 }
 
@@ -115,7 +117,6 @@ void Evaluation::rebuildCandidates() {
   contactsOfRow_.resize(layout_.dynamicParticles);
   forces_.resize(list_.size());
   contactOfCandidate_.resize(list_.size());
-  if (!lawsByKind_) makePairLaws();
 }
 
 /// What the list was made for, and which of its candidates have a memory.

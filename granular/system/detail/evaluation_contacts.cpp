@@ -3,12 +3,10 @@
 // where two particles meet, and runs of contacts through the kernel compiled for their two laws.
 #include <cmath>
 #include <limits>
-#include <span>
 #include <variant>
 
 #include "granular/contact/law_list.h"
 #include "granular/contact/pressed_patch.h"
-#include "granular/system/detail/contact_pack.h"
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
 
@@ -17,6 +15,8 @@ namespace {
 
 /// Line of centres for two particles in one place: any direction does, as long as it is always the same.
 const Vector3 kAnyDirection = Vector3::UnitY();
+
+constexpr std::int32_t kContactsPerCall = 256;  // handed to a kernel at a time, at most
 
 }  // namespace
 
@@ -27,51 +27,51 @@ PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
 }
 
 void Evaluation::makePairLaws() {
-  if (lawsByKind_) {
-    const auto kinds = static_cast<std::int32_t>(layout_.kinds.size());
-    pairLaws_.assign(layout_.kinds.size() * layout_.kinds.size(), PairLaw{});
-    for (std::int32_t a = 0; a < kinds; ++a) {
-      for (std::int32_t b = 0; b < kinds; ++b) {
-        // Two planes, or two held things: they never meet, and nothing could be said of them.
-        const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
-        if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
-          pairLaws_[a * kinds + b] = makeLaw(a, b);
-        }
+  const auto kinds = static_cast<std::int32_t>(layout_.kinds.size());
+  pairLaws_.assign(layout_.kinds.size() * layout_.kinds.size(), PairLaw{});
+  for (std::int32_t a = 0; a < kinds; ++a) {
+    for (std::int32_t b = 0; b < kinds; ++b) {
+      // Two planes, or two held things: they never meet, and nothing could be said of them.
+      const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
+      if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
+        pairLaws_[a * kinds + b] = makeLaw(a, b);
       }
     }
-    return;
   }
-  pairLaws_.resize(list_.size());
-  executor_.forRanges(layout_.dynamicParticles, kRowsPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      for (std::int32_t c = list_.rowStart()[i]; c < list_.rowStart()[i + 1]; ++c) {
-        pairLaws_[c] = makeLaw(layout_.kindOfSlot[i], layout_.kindOfSlot[list_.partner()[c]]);
-      }
-    }
-  });
 }
 
-/// Which laws can occur at all: scenes without memory, and scenes with one kernel, pay for neither.
+/// Whether anything remembers: scenes without memory do not pay for it.
 void Evaluation::noteLaws() {
+  isUniform_ = materials_.size() == 1 && layout_.dynamicBodies == 0;
   hasMemory_ = false;
-  oneKernel_ = true;
-  const MaterialPairDef& first = materialPairs_.empty() ? MaterialPairDef{} : materialPairs_.front().def;
   for (const MaterialPair& pair : materialPairs_) {
-    const ShearLaw shear = pair.def.shear.law;
-    hasMemory_ |= withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; });
-    oneKernel_ &= shear == first.shear.law && pair.def.normal.law == first.normal.law;
-    // Bodies meet under bodyNormal, at least one of them moving.
-    oneKernel_ &= layout_.dynamicBodies == 0 || pair.def.bodyNormal.law == first.normal.law;
+    hasMemory_ |= withShearLaw(pair.def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
   }
 }
 
-const PairLaw& Evaluation::pairLaw(const Contact& contact) const {
-  if (!lawsByKind_) return pairLaws_[contact.candidate];
-  return pairLaws_[layout_.kindOfSlot[contact.slot1] * layout_.kinds.size() +
-                   layout_.kindOfSlot[contact.slot2]];
+PairLaw Evaluation::pairLaw(const Contact& contact) const {
+  const std::int32_t kind1 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot1]];
+  const std::int32_t kind2 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot2]];
+  return lawsByKind_ ? pairLaws_[kind1 * layout_.kinds.size() + kind2] : makeLaw(kind1, kind2);
 }
 
-void Evaluation::findContacts() {
+Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies,
+                                             bool ofParticles) const {
+  const MaterialPair& pair = materialPairs_[material1 * materials_.size() + material2];
+  const bool isKnown = kernels_->forces[static_cast<int>(pair.normalOf(ofBodies).law)][0] != nullptr;
+  return {&pair, ofBodies, isKnown && ofParticles};
+}
+
+Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
+  const bool ofParticles = contact.slot2 < layout_.particleCount;
+  if (isUniform_) return ruleBetween(0, 0, false, ofParticles);
+  const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
+  const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
+  const bool ofBodies = owner1.isBody != 0 && owner2.isBody != 0;
+  return ruleBetween(owner1.material, owner2.material, ofBodies, ofParticles);
+}
+
+void Evaluation::findContacts(const ContactArrays& arrays) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::FindContacts)]);
   const std::int32_t rows = layout_.dynamicParticles;
   const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
@@ -79,31 +79,31 @@ void Evaluation::findContacts() {
   executor_.forPieces(pieces, [&](std::int32_t piece) {
     const std::int32_t begin = piece * kRowsPerPiece;
     const std::int32_t end = std::min(rows, begin + kRowsPerPiece);
-    const std::int32_t* rowStart = list_.rowStart().data();
-    const std::int32_t* partner = list_.partner().data();
-    std::int32_t n = rowStart[begin];
-    for (std::int32_t i = begin; i < end; ++i) {
-      const ParticleRow a = particles_[i];
-      const std::int32_t first = n;
-      for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
-        bool touches;
-        if (partner[c] < layout_.particleCount) {
-          const ParticleRow& b = particles_[partner[c]];
-          const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z, reach = a.radius + b.radius;
-          touches = dx * dx + dy * dy + dz * dz < reach * reach;
-        } else {
-          const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
-          const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
-          touches = surface.distance({a.x, a.y, a.z}).distance < reach;
-        }
-        contactOfCandidate_[c] = touches ? n : -1;
-        contacts_[n] = {i, partner[c], c};  // overwritten by the next one unless it counts: n <= c always
-        n += touches;
-      }
-      contactsOfRow_[i] = {first, n};
+    std::int32_t n = list_.rowStart()[begin];
+    for (std::int32_t row = begin; row < end;) {
+      row = kernels_->findContacts(arrays, row, end, n);
+      n = findSurfaceContacts(row - 1, n);
     }
-    contactsInPiece_[piece] = n - rowStart[begin];
+    contactsInPiece_[piece] = n - list_.rowStart()[begin];
   });
+}
+
+/// Contacts of slot i on exact surfaces, numbered from n on. Returns the number behind them.
+std::int32_t Evaluation::findSurfaceContacts(std::int32_t i, std::int32_t n) {
+  const std::int32_t* partner = list_.partner().data();
+  const std::int32_t end = list_.rowStart()[i + 1];
+  std::int32_t c = end;  // they come last in a row
+  while (c > list_.rowStart()[i] && partner[c - 1] >= layout_.particleCount) --c;
+  for (; c < end; ++c) {
+    const ParticleRow& a = particles_[i];
+    const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
+    const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
+    const bool touches = surface.distance({a.x, a.y, a.z}).distance < reach;
+    contactOfCandidate_[c] = touches ? n : -1;
+    if (touches) contacts_[n++] = {i, partner[c], c};
+  }
+  contactsOfRow_[i].last = n;
+  return n;
 }
 
 /// What bodies press with. Of a particle against an exact surface: its pieces, where they are below it. Of
@@ -114,7 +114,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
     const std::int32_t o = layout_.ownerOfSlot[slot];
     const Owner& owner = layout_.owners[o];
     return Layout::areaAlong(owner, layout_.rankOfSlot[slot] - owner.firstRank,
-                             rotations_[o].transpose() * N);
+                             rotationOf(o).transpose() * N);
   };
   const std::int32_t o = layout_.ownerOfSlot[contact.slot1];
   const Owner& owner = layout_.owners[o];
@@ -130,7 +130,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
     g.meanSquareOverlap = g.xi * g.xi;
     return g.share > 0.0;
   }
-  const Matrix3& rotation = rotations_[o];
+  const Matrix3& rotation = rotationOf(o);
   const std::int32_t local = layout_.rankOfSlot[contact.slot1] - owner.firstRank;
   const double distance = particles_[contact.slot1].radius - g.xi;
   const PressedPatch patch = pressedPatch(owner.piecesOf(local), owner.particles[local].position, distance,
@@ -140,7 +140,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   g.share = weight * patch.area;
   g.shareGrowth = patch.areaSlope / patch.area;
   g.meanSquareOverlap = patch.meanSquareDepth;
-  const Vector3 point = owners_[o].center + rotation * patch.center;
+  const Vector3 point = rowOf(o).center + rotation * patch.center;
   g.point = point - (g.N.dot(point - center) - distance) * g.N;
   return true;
 }
@@ -149,8 +149,8 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
 template <class Normal, class Shear>
 bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) const {
   const ParticleRow& a = particles_[contact.slot1];
-  const OwnerRow& owner1 = owners_[layout_.ownerOfSlot[contact.slot1]];
-  const OwnerRow& owner2 = owners_[layout_.ownerOfSlot[contact.slot2]];
+  const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
+  const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
   const Vector3 x1(a.x, a.y, a.z);
   const SurfaceRow* surface =
       contact.slot2 < layout_.particleCount ? nullptr : &surfaces_[contact.slot2 - layout_.particleCount];
@@ -207,11 +207,11 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
   const Contact& contact = contacts_[n];
   ContactGeometry g;
   if (!contactGeometry<Normal, Shear>(contact, g)) {
-    forces_[n] = {Vector3::Zero(), g.point, 0.0, 0.0};
+    forces_[n] = {Vector3::Zero(), 0.0, g.point, 0.0};
     if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
     return;
   }
-  const PairLaw& law = pairLaw(contact);
+  const PairLaw law = pairLaw(contact);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
   ContactMemory* memory = nullptr;
@@ -226,7 +226,7 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
       g.memoryStep = at.memoryStep;
     } else if (g.isNew = true;
                xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal>(law.shear)) *
+      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(law.shear)) *
           (g.V - xiDot * g.N);
     }
   }
@@ -234,93 +234,61 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
   if constexpr (Shear::kHasMemory) {
     if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
   }
-  forces_[n] = {result.force, g.point, result.dissipation, g.xi};
+  forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;
   extremes.pushing += result.normalForce != 0.0;
   extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
 
-/// The forces of up to kPackSize contacts between particles at once, under laws without memory.
-template <class Normal, class Shear>
-void Evaluation::forcesOfPack(std::span<const std::int32_t> which, Extremes& extremes) {
-  ContactRows rows;
-  for (int lane = 0; lane < kPackSize; ++lane) {  // lanes to spare do the last contact again
-    const Contact& contact = contacts_[which[std::min<std::size_t>(lane, which.size() - 1)]];
-    rows.particle1[lane] = &particles_[contact.slot1];
-    rows.particle2[lane] = &particles_[contact.slot2];
-    rows.owner1[lane] = &owners_[layout_.ownerOfSlot[contact.slot1]];
-    rows.owner2[lane] = &owners_[layout_.ownerOfSlot[contact.slot2]];
-    rows.law[lane] = &pairLaw(contact);
-  }
-  const ContactGeometryPack g = geometryOf(rows);
-  const NormalConstantsOf<Pack> normal = normalConstantsOf(rows);
-  const auto result =
-      resultWithoutMemory<Normal, Shear, Pack>(normal, shearConstantsOf(rows), g.xi, g.N, g.V);
-  const Pack urgency = Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)));
-  const Pack overlap = g.xi / g.smallerRadius;
-  for (int lane = 0; lane < static_cast<int>(which.size()); ++lane) {
-    const auto vector = [lane](const Vector3Of<Pack>& v) {
-      return Vector3(v.x()[lane], v.y()[lane], v.z()[lane]);
-    };
-    ContactForce& out = forces_[which[lane]];
-    if (!(g.xi[lane] > 0.0)) {  // the test of findContacts and the exact overlap disagree by rounding
-      out = {Vector3::Zero(), vector(g.point), 0.0, 0.0};
+/// Contacts [begin, end), all under this rule.
+void Evaluation::forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at,
+                                const double* y, double* rate, Extremes& extremes) {
+  withNormalLaw(rule.pair->normalOf(rule.ofBodies).law, [&]<class Normal>(Normal) {
+    withShearLaw(rule.pair->def.shear.law, [&]<class Shear>(Shear) {
+      for (std::int32_t n = begin; n < end; ++n) forceOf<Normal, Shear>(n, at, y, rate, extremes);
+    });
+  });
+}
+
+/// Contacts [begin, end) of one piece: kernels take those between particles in runs under one rule, the others
+/// wait and come one by one.
+void Evaluation::forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays,
+                               const double* y, double* rate, Extremes& extremes) {
+  std::array<std::int32_t, kContactsPerCall> which;
+  std::int32_t count = 0;
+  PairRule rule{};
+  const auto call = [&] {
+    if (count == 0) return;
+    const auto kernel = kernels_->forces[static_cast<int>(rule.pair->normalOf(rule.ofBodies).law)]
+                                        [static_cast<int>(rule.pair->def.shear.law)];
+    kernel(arrays, *rule.pair, rule.ofBodies, which.data(), count, extremes);
+    count = 0;
+  };
+  const PairRule ofParticles = isUniform_ ? ruleBetween(0, 0, false, true) : PairRule{};
+  for (std::int32_t n = begin; n < end; ++n) {
+    const bool isPlain = isUniform_ && contacts_[n].slot2 < layout_.particleCount;
+    const PairRule own = isPlain ? ofParticles : ruleOf(contacts_[n]);
+    if (!own.isPacked) {
+      forcesOneByOne(n, n + 1, own, arrays.at, y, rate, extremes);
       continue;
     }
-    out = {vector(result.force), vector(g.point), result.dissipation[lane], g.xi[lane]};
-    ++extremes.contacts;
-    extremes.pushing += result.normalForce[lane] != 0.0;
-    extremes.urgency = std::max<double>(extremes.urgency, urgency[lane]);
-    extremes.overlap = std::max<double>(extremes.overlap, overlap[lane]);
+    if (own != rule || count == kContactsPerCall) call();
+    rule = own;
+    which[count++] = n;
   }
+  call();
 }
 
-/// Contacts [begin, end), all under these two laws.
-template <class Normal, class Shear>
-void Evaluation::forcesOfRun(std::int32_t begin, std::int32_t end, const Moment& at, const double* y,
-                             double* rate, Extremes& extremes) {
-  if constexpr (Shear::kHasMemory || Normal::kByArea) {
-    for (std::int32_t n = begin; n < end; ++n) forceOf<Normal, Shear>(n, at, y, rate, extremes);
-  } else {
-    std::array<std::int32_t, kPackSize> pack;
-    std::size_t count = 0;
-    for (std::int32_t n = begin; n < end; ++n) {
-      if (contacts_[n].slot2 >= layout_.particleCount) {  // on an exact surface
-        forceOf<Normal, Shear>(n, at, y, rate, extremes);
-        continue;
-      }
-      pack[count++] = n;
-      if (count < pack.size()) continue;
-      forcesOfPack<Normal, Shear>(pack, extremes);
-      count = 0;
-    }
-    if (count > 0) forcesOfPack<Normal, Shear>(std::span(pack).first(count), extremes);
-  }
-}
-
-void Evaluation::computeContactForces(const Moment& at, const std::vector<double>& y,
+void Evaluation::computeContactForces(const ContactArrays& arrays, const std::vector<double>& y,
                                       std::vector<double>& rate) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
   extremesInPiece_.assign(pieces, {});
   if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
-    const std::int32_t end = begin + contactsInPiece_[piece];
-    Extremes extremes;
-    while (begin < end) {  // runs of one pair of laws, compiled for just these two
-      const PairLaw& law = pairLaw(contacts_[begin]);
-      std::int32_t stop = oneKernel_ ? end : begin + 1;
-      while (stop < end && pairLaw(contacts_[stop]).sameKernel(law)) ++stop;
-      withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
-        withShearLaw(law.shearLaw, [&]<class Shear>(Shear) {
-          forcesOfRun<Normal, Shear>(begin, stop, at, y.data(), rate.data(), extremes);
-        });
-      });
-      begin = stop;
-    }
-    extremesInPiece_[piece] = extremes;
+    const std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
+    forcesOfPiece(begin, begin + contactsInPiece_[piece], arrays, y.data(), rate.data(), extremesInPiece_[piece]);
   });
   summary_.urgency = summary_.largestOverlap = 0.0;
   summary_.contacts = summary_.pushing = 0;
@@ -339,7 +307,7 @@ double Evaluation::relativeOverlap(const Contact& contact, double overlap) const
 }
 
 double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& force) const {
-  const PairLaw& law = pairLaw(contact);
+  const PairLaw law = pairLaw(contact);
   return withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
     if constexpr (!Normal::kByArea) return Normal::elasticEnergy(law.normal, force.overlap);
     ContactGeometry g;

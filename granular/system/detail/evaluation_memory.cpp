@@ -55,7 +55,7 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
     if (rank1 < 0 || rank2 < 0) continue;
     const bool swapped = rank2 < rank1;
     known.push_back({{std::min(rank1, rank2), std::max(rank1, rank2), contact.stiffness,
-                      granular::memoryEnergy(contact.stiffness, contact.displacement), contact.slides},
+                      granular::memoryEnergy<double>(contact.stiffness, contact.displacement), contact.slides},
                      swapped ? Vector3(-contact.displacement) : contact.displacement});
   }
   std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
@@ -81,7 +81,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
         memoryOfCandidate_[c] = -1;
         continue;
       }
-      const ShearLaw shear = pairLaw(contacts_[n]).shearLaw;
+      const ShearLaw shear = ruleOf(contacts_[n]).pair->def.shear.law;
       if (!withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; })) continue;
       const ContactMemory& memory = contactMemory_[n];
       const std::int32_t before = memoryOfCandidate_[c];
@@ -90,7 +90,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
       heating += memory.heating;
       memoryOfCandidate_[c] = static_cast<std::int32_t>(kept.size());
       kept.push_back({rank, layout_.rankOfSlot[contacts_[n].slot2], memory.stiffness,
-                      granular::memoryEnergy(memory.stiffness, memory.displacement), memory.slides});
+                      granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides});
       for (int k = 0; k < 3; ++k) {
         displacements.push_back(memory.displacement[k]);
         displacementRates.push_back(memory.nextRate[k]);

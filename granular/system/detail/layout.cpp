@@ -27,9 +27,9 @@ double overhangOf(const Owner& owner) {
 
 void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
   particleCount = dynamicParticles = movingParticles = patchCount = 0;
-  ownerOfPatch.clear();
   ownerOfSurface.clear();
   overhang.clear();
+  sphereInverseInertia.clear();
   rules = {};
   bool everythingMeets = true;
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
@@ -40,15 +40,14 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
     if (o < dynamicCount()) dynamicParticles += count;
     if (o < movingCount()) {
       movingParticles += count;
-      owner.firstPatch = patchCount;
       owner.patchCount = owner.kind == OwnerKind::Grain
                              ? 1
                              : std::max(1, (count + kParticlesPerPatch - 1) / kParticlesPerPatch);
       patchCount += owner.patchCount;
-      ownerOfPatch.insert(ownerOfPatch.end(), owner.patchCount, o);
     }
     if (owner.exact != nullptr) ownerOfSurface.push_back(o);
     overhang.push_back(overhangOf(owner));
+    sphereInverseInertia.push_back(owner.isSphere && owner.isotropic ? owner.inverseInertia.x() : 0.0);
     everythingMeets &=
         owner.filter.group == ContactFilter{}.group && owner.filter.mask == ContactFilter{}.mask;
   }
@@ -148,33 +147,51 @@ void Layout::findKinds() {
 }
 
 void Layout::assignSlots(std::vector<std::int32_t> order) {
-  slotOrder = std::move(order);
-  for (auto* bySlot : {&ownerOfSlot, &rankOfSlot, &patchOfSlot, &kindOfSlot, &slotOfRank}) {
+  ownerOfPlace = std::move(order);
+  for (auto o = static_cast<std::int32_t>(ownerOfPlace.size()); o < static_cast<std::int32_t>(owners.size()); ++o) {
+    ownerOfPlace.push_back(o);
+  }
+  placeOfOwner.resize(owners.size());
+  for (auto* bySlot : {&ownerOfSlot, &placeOfSlot, &rankOfSlot, &patchOfSlot, &slotOfRank}) {
     bySlot->resize(particleCount + surfaceCount());
   }
+  placeOfPatch.clear();
+  slotOfPatch.clear();
+  slotOfPlace.clear();
+  patchOfPlace.clear();
   std::int32_t slot = 0;
-  const auto lay = [&](std::int32_t o) {
+  for (std::int32_t place = 0; place < static_cast<std::int32_t>(owners.size()); ++place) {
+    const std::int32_t o = ownerOfPlace[place];
     Owner& owner = owners[o];
+    placeOfOwner[o] = place;
+    slotOfPlace.push_back(slot);
+    patchOfPlace.push_back(static_cast<std::int32_t>(placeOfPatch.size()));
     owner.firstSlot = slot;
+    if (owner.patchCount > 0) owner.firstPatch = static_cast<std::int32_t>(placeOfPatch.size());
+    for (std::int32_t patch = 0; patch < owner.patchCount; ++patch) {
+      placeOfPatch.push_back(place);
+      slotOfPatch.push_back(slot + patch * kParticlesPerPatch);
+    }
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(owner.particles.size()); ++k, ++slot) {
       const std::int32_t rank = owner.firstRank + k;
       ownerOfSlot[slot] = o;
+      placeOfSlot[slot] = place;
       rankOfSlot[slot] = rank;
       slotOfRank[rank] = slot;
-      kindOfSlot[slot] = kindOfRank[rank];
       patchOfSlot[slot] = owner.patchCount == 0   ? -1
                           : owner.patchCount == 1 ? owner.firstPatch
                                                   : owner.firstPatch + k / kParticlesPerPatch;
     }
-  };
-  for (const std::int32_t o : slotOrder) lay(o);
-  for (std::int32_t o = dynamicCount(); o < static_cast<std::int32_t>(owners.size()); ++o) lay(o);
+  }
+  slotOfPlace.push_back(slot);
+  slotOfPatch.push_back(movingParticles);
+  patchOfPlace.push_back(static_cast<std::int32_t>(placeOfPatch.size()));
   for (std::int32_t s = 0; s < surfaceCount(); ++s) {
-    const std::int32_t place = particleCount + s;
-    ownerOfSlot[place] = ownerOfSurface[s];
-    rankOfSlot[place] = slotOfRank[place] = place;
-    kindOfSlot[place] = kindOfRank[place];
-    patchOfSlot[place] = owners[ownerOfSurface[s]].firstPatch;
+    const std::int32_t at = particleCount + s;
+    ownerOfSlot[at] = ownerOfSurface[s];
+    placeOfSlot[at] = placeOfOwner[ownerOfSurface[s]];
+    rankOfSlot[at] = slotOfRank[at] = at;
+    patchOfSlot[at] = owners[ownerOfSurface[s]].firstPatch;
   }
 }
 

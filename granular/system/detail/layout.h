@@ -36,7 +36,7 @@ struct Owner {
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
   Vector3 inverseInertia = Vector3::Zero();
   bool isotropic = false;
-  bool isSphere = false;  ///< one particle about the centre: its orientation places nothing
+  bool isSphere = false;  ///< a grain of one particle about the centre: its orientation places nothing
   bool isLocked = false;  ///< some axis of rotation is
   Vector3 linearFactor = Vector3::Ones();
   Vector3 angularFactor = Vector3::Ones();
@@ -98,10 +98,16 @@ struct Layout {
   std::int32_t surfaceCount() const { return static_cast<std::int32_t>(ownerOfSurface.size()); }
 
   // By slot.
-  std::vector<std::int32_t> ownerOfSlot, rankOfSlot, patchOfSlot, kindOfSlot;
+  std::vector<std::int32_t> ownerOfSlot, placeOfSlot, rankOfSlot, patchOfSlot;
   std::vector<std::int32_t> slotOfRank;
-  std::vector<std::int32_t> ownerOfPatch;
-  std::vector<std::int32_t> slotOrder;  ///< dynamic owners in the order in which their slots lie
+  // By patch: where its owner's row lies, and its first slot (one entry more than patches).
+  std::vector<std::int32_t> placeOfPatch, slotOfPatch;
+  // Place: where an owner's row lies. Those of dynamic owners lie as their slots do, others by number.
+  std::vector<std::int32_t> ownerOfPlace, placeOfOwner;
+  std::vector<std::int32_t> slotOfPlace, patchOfPlace;  ///< the first ones; one entry more than owners
+  /// Of a grain that is one particle about its centre, 1/(kg m^2); 0 for what is no such grain. By owner: the
+  /// loops over single spheres read this in place of an Owner.
+  std::vector<double> sphereInverseInertia;
 
   std::vector<ParticleKind> kinds;
   std::vector<std::int32_t> kindOfRank;
@@ -113,15 +119,7 @@ struct Layout {
 
   /// Numbers ranks, patches and kinds of `owners`, which are in their order; slots in the same order.
   void finish(const std::vector<std::uint64_t>& excludedPairs);
-  /// Slots of a patch, of its particles: [first, last).
-  std::pair<std::int32_t, std::int32_t> slotsOfPatch(std::int32_t patch) const {
-    const Owner& owner = owners[ownerOfPatch[patch]];
-    const auto count = static_cast<std::int32_t>(owner.particles.size());
-    if (owner.patchCount == 1) return {owner.firstSlot, owner.firstSlot + count};
-    const std::int32_t first = (patch - owner.firstPatch) * kParticlesPerPatch;
-    return {owner.firstSlot + first, owner.firstSlot + std::min(count, first + kParticlesPerPatch)};
-  }
-  /// Puts the slots of dynamic owners into this order, a permutation of [0, dynamicCount()).
+  /// Puts places, slots and patches of dynamic owners into this order, a permutation of [0, dynamicCount()).
   void assignSlots(std::vector<std::int32_t> order);
 
  private:

@@ -120,6 +120,7 @@ class GranularSystem::Impl {
   double trialBound(const detail::EvaluationSummary& seen) const;
   double eventBound() const;
   Trial planTrial(double dt, double remaining, const StepReport& report);
+  bool isResultFinite();
   double scaledError();
   bool judge(const Trial& trial, double scaledError);
   void acceptTrial(const Trial& trial, bool isLast, StepReport& report);

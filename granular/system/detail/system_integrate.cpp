@@ -67,14 +67,29 @@ double GranularSystem::Impl::eventBound() const {
   return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
 }
 
+/// Whether all that the trial arrived at is finite.
+bool GranularSystem::Impl::isResultFinite() {
+  const std::int64_t numbers = evaluation.layout().dynamicCount() * std::int64_t{state::kSize};
+  constexpr std::int64_t kPerPiece = kOwnersPerPiece * state::kSize;
+  const double* result = stepper->result().data();
+  errorOfPiece.assign(Executor::pieceCount(numbers, kPerPiece), {});
+  evaluation.executor().forRanges(numbers, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    double sum = 0.0;  // 0 times what is not finite is a NaN
+    for (std::int64_t i = begin; i < end; ++i) sum += 0.0 * result[i];
+    errorOfPiece[begin / kPerPiece].largest = sum;
+  });
+  return std::all_of(errorOfPiece.begin(), errorOfPiece.end(),
+                     [](const ErrorOfPiece& piece) { return piece.largest == 0.0; });
+}
+
 /// Error of the trial over what is allowed, in tolerance times the smallest radius: way of the fastest-moving
 /// surface point of an owner; of grains the root mean square, but no single one off by more than kWorstGrain
 /// times as much; of bodies the largest. 0 from a stepper that has no estimate. NaN if anything is not
 /// finite.
 double GranularSystem::Impl::scaledError() {
   const detail::Layout& layout = evaluation.layout();
-  const bool isEstimated = stepper->errorOrder() > 0;
-  const std::vector<double>& numbers = isEstimated ? stepper->error() : stepper->result();
+  if (stepper->errorOrder() == 0) return isResultFinite() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double>& numbers = stepper->error();
   const std::int32_t pieces = Executor::pieceCount(layout.dynamicCount(), kOwnersPerPiece);
   errorOfPiece.assign(pieces, {});
   evaluation.executor().forPieces(pieces, [&](std::int32_t piece) {
@@ -100,7 +115,6 @@ double GranularSystem::Impl::scaledError() {
     sumOfSquares += error.sumOfSquares;
   }
   if (layout.dynamicGrains > 0) raise(way, std::sqrt(sumOfSquares / layout.dynamicGrains));
-  if (!isEstimated) return std::isfinite(way) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   return way / (integrator.tolerance * layout.smallestRadius);
 }
 

@@ -123,7 +123,7 @@ void GranularSystem::Impl::measure(StepReport& report) {
   }
   double overlapSum = 0.0;
   evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& force, const PairLaw&) {
+      [&](const detail::Contact& contact, const detail::ContactForce& force) {
         report.energy.elastic += evaluation.elasticEnergy(contact, force);
         overlapSum += evaluation.relativeOverlap(contact, force.overlap);
       });

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// The two loops that an evaluation spends its time in, in packs: which candidates overlap, and what contacts
+// between round particles do. They are compiled for several processors (contact_kernels_*.cpp), and the best
+// that this one has is taken when the program runs. Every lane does what a single number would: the same bits
+// on every processor.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "granular/contact/contact_kernel.h"
+#include "granular/contact/law_list.h"
+#include "granular/contact/pair_law.h"
+#include "granular/dynamics/equations.h"
+#include "granular/search/candidate_list.h"
+#include "granular/system/detail/contact_rows.h"
+
+namespace granular::detail {
+
+/// Where the numbers are.
+struct ContactArrays {
+  std::int32_t particleCount = 0;
+  std::int32_t dynamicParticles = 0;          ///< have rows of candidates
+  const ParticleRow* particles = nullptr;     ///< [slot]
+  const OwnerRow* owners = nullptr;           ///< [place]
+  const std::int32_t* placeOfSlot = nullptr;  ///< place of the owner
+  // The candidate list.
+  const std::int32_t* rowStart = nullptr;
+  const std::int32_t* partner = nullptr;  ///< [candidate]
+  // To be filled by RowKernel; read by the others.
+  Contact* contacts = nullptr;
+  std::int32_t* contactOfCandidate = nullptr;  ///< -1: apart
+  ContactRange* contactsOfRow = nullptr;
+  ContactForce* forces = nullptr;  ///< [contact], to be filled by ForceKernel
+  // Laws with memory only.
+  const std::int32_t* memoryOfCandidate = nullptr;  ///< -1: none
+  const MemoryEntry* memory = nullptr;
+  const double* displacements = nullptr;   ///< three numbers an entry, m
+  double* displacementRates = nullptr;     ///< to be filled
+  ContactMemory* contactMemory = nullptr;  ///< [contact], to be filled
+  Moment at;
+  // Patches.
+  const std::int32_t* placeOfPatch = nullptr;
+  const std::int32_t* slotOfPatch = nullptr;       ///< one entry more than patches
+  const std::int32_t* incidenceStart = nullptr;    ///< as CandidateIncidence
+  const std::int32_t* incidenceEntries = nullptr;
+  PatchWrench* wrenches = nullptr;  ///< to be filled
+};
+
+/// Contacts between particles of rows [row, end), numbered from n on, which is moved behind them. Comes back
+/// behind the first row that has candidates on surfaces, which are left out, or at the end: returns that row.
+using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row, std::int32_t end,
+                                   std::int32_t& n);
+
+/// The forces of contacts which[0 .. count) between round particles, all under this pair rule.
+using ForceKernel = void (*)(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies,
+                             const std::int32_t* which, std::int32_t count, Extremes& extremes);
+
+/// What touches patches [begin, end): first the contacts in its own rows, then those in the rows of others.
+using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
+
+struct ContactKernels {
+  const char* processor;  ///< what it is for
+  RowKernel findContacts;
+  WrenchKernel sumWrenches;
+  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount> forces;  ///< null for laws by area
+};
+
+/// The best for the processor at hand; environment variable GRANULAR_PROCESSOR ("baseline", "avx2") asks for
+/// less.
+const ContactKernels& contactKernels();
+/// All that this processor can run, the best last.
+std::span<const ContactKernels* const> availableContactKernels();
+
+}  // namespace granular::detail

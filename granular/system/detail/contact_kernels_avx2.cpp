@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+// The kernels for processors with AVX2.
+#include "granular/system/detail/contact_kernels_body.h"
+
+namespace granular::detail {
+
+extern const ContactKernels kAvx2Kernels;
+const ContactKernels kAvx2Kernels = {"avx2", findContacts, sumWrenches, allKernels(NormalLaws{})};
+
+}  // namespace granular::detail

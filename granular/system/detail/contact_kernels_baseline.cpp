@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+// The kernels for every processor that the library is compiled for.
+#include "granular/system/detail/contact_kernels_body.h"
+
+namespace granular::detail {
+
+extern const ContactKernels kBaselineKernels;
+const ContactKernels kBaselineKernels = {"baseline", findContacts, sumWrenches, allKernels(NormalLaws{})};
+
+}  // namespace granular::detail

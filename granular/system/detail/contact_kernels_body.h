@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+// The kernels themselves, included once by the file for each processor, with that processor's packs. All of it
+// is local to that file: a function that two of them shared could be taken from the wrong one.
+#pragma once
+
+#ifdef __AVX512F__  // gcc 12 takes the undefined upper halves of its own intrinsics for a mistake of ours
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+#include "granular/base/pack.h"
+#include "granular/contact/shear_constants.h"
+#include "granular/system/detail/contact_kernels.h"
+
+namespace granular::detail {
+namespace {
+
+// Rows are read as the rest of the library lays them out, whatever this processor would like.
+static_assert(alignof(Quaternion) == 16 && alignof(Vector3) == 8);
+
+/// Four numbers that lie side by side: a row, or half of one.
+using Four = double __attribute__((vector_size(32)));
+
+Four loadFour(const double* from) {
+  Four four;
+  std::memcpy(&four, from, sizeof(four));
+  return four;
+}
+void storeFour(const Four& four, double* to) { std::memcpy(to, &four, sizeof(four)); }
+
+/// Numbers 0 to 3 from where each lane points to, each kind in a pack of its own.
+using Rows = std::array<const double*, kPackSize>;
+template <class P = Pack>
+std::array<P, 4> packsOf(const Rows& rows) {
+  if constexpr (sizeof(P) == sizeof(Four)) {
+    const Four a = loadFour(rows[0]), b = loadFour(rows[1]), c = loadFour(rows[2]), d = loadFour(rows[3]);
+    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    return {std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5)),
+            std::bit_cast<P>(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5)),
+            std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7)),
+            std::bit_cast<P>(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7))};
+  } else {
+    const auto pack = [&](int k) { return packOf([&](int lane) { return rows[lane][k]; }); };
+    return {pack(0), pack(1), pack(2), pack(3)};
+  }
+}
+/// The way back, into `count` rows.
+template <class P>
+void storeRows(const std::array<P, 4>& packs, const std::array<double*, kPackSize>& rows, int count) {
+  if constexpr (sizeof(P) == sizeof(Four)) {
+    const auto four = [&](int k) { return std::bit_cast<Four>(packs[k]); };
+    const Four a = four(0), b = four(1), c = four(2), d = four(3);
+    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    storeFour(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), rows[0]);
+    if (count > 1) storeFour(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5), rows[1]);
+    if (count > 2) storeFour(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), rows[2]);
+    if (count > 3) storeFour(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7), rows[3]);
+  } else {
+    for (int lane = 0; lane < count; ++lane) {
+      for (int k = 0; k < 4; ++k) rows[lane][k] = packs[k][lane];
+    }
+  }
+}
+
+/// The particles of some contacts.
+struct PackParticles {
+  Vector3Of<Pack> center;
+  Pack radius;
+
+  explicit PackParticles(const Rows& rows) {
+    const std::array<Pack, 4> row = packsOf(rows);
+    center = {row[0], row[1], row[2]};
+    radius = row[3];
+  }
+};
+
+/// Their owners.
+struct PackMotion {
+  Vector3Of<Pack> center, velocity, angularVelocity;
+  Pack inverseMass;
+
+  explicit PackMotion(const Rows& rows) {
+    static_assert(offsetof(OwnerRow, velocity) == 4 * sizeof(double));
+    static_assert(offsetof(OwnerRow, angularVelocity) == 8 * sizeof(double));
+    Rows velocities, spins;
+    for (int lane = 0; lane < kPackSize; ++lane) velocities[lane] = rows[lane] + 4, spins[lane] = rows[lane] + 8;
+    const std::array<Pack, 4> first = packsOf(rows), second = packsOf(velocities), third = packsOf(spins);
+    center = {first[0], first[1], first[2]};
+    inverseMass = first[3];
+    velocity = {second[0], second[1], second[2]};
+    angularVelocity = {third[0], third[1], third[2]};
+  }
+
+  Vector3Of<Pack> at(const Vector3Of<Pack>& point) const {
+    return velocity + angularVelocity.cross(point - center);
+  }
+};
+
+/// Where they meet; xi is 0 where they do not touch after all. Returns the distance of their centres.
+Pack placeContacts(const PackParticles& a, const PackParticles& b, ContactGeometryOf<Pack>& g) {
+  const Vector3Of<Pack> apart = b.center - a.center;
+  const Pack distance = sqrt(apart.squaredNorm());
+  const auto isClear = distance > 0.0;  // else any direction does, as long as it is always the same
+  const Pack inverse = 1.0 / distance;
+  g.xi = max(Pack(0.0), a.radius + b.radius - distance);  // eq. 1
+  g.N = {select(isClear, apart.x() * inverse, 0.0), select(isClear, apart.y() * inverse, 1.0),
+         select(isClear, apart.z() * inverse, 0.0)};  // eq. 2
+  g.point = a.center + (a.radius - 0.5 * g.xi) * g.N;
+  return distance;
+}
+
+/// How the frames of contacts turn: with the line of centres, and about it as the two owners do on average.
+Vector3Of<Pack> turningOf(const PackParticles& a, const PackParticles& b, const PackMotion& motion1,
+                          const PackMotion& motion2, const Vector3Of<Pack>& N, const Pack& distance) {
+  const Pack twist = 0.5 * Pack((motion1.angularVelocity + motion2.angularVelocity).dot(N));
+  const Pack inverse = select(distance > 0.0, Pack(1.0 / distance), 0.0);
+  const Vector3Of<Pack> swing = inverse * N.cross(motion2.at(b.center) - motion1.at(a.center));
+  return swing + (twist - swing.dot(N)) * N;
+}
+
+using Entries = std::array<std::int32_t, kPackSize>;  // of Evaluation's memory; -1: none
+
+/// What contacts remember, as packs; fills in what the geometry wants to know of it.
+template <class Normal>
+Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entry,
+                                const ShearConstantsOf<Pack>& shear, ContactGeometryOf<Pack>& g) {
+  static constexpr std::array<double, 3> kNothing = {};
+  const auto remembered = [&](int axis) {
+    return packOf([&](int lane) {
+      return (entry[lane] < 0 ? kNothing.data() : arrays.displacements + 3 * entry[lane])[axis];
+    });
+  };
+  for (int lane = 0; lane < kPackSize; ++lane) {
+    g.isNew[lane] = entry[lane] < 0;
+    g.slides[lane] = entry[lane] >= 0 && arrays.memory[entry[lane]].slides;
+  }
+  g.stiffnessBefore = packOf([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
+  g.memoryStep = select(g.isNew, Pack(0.0), arrays.at.memoryStep);
+  // Begun within this trial: it has slid since its overlap was zero.
+  const Pack xiDot = g.V.dot(g.N);
+  const Pack since = min(Pack(g.xi / xiDot), Pack(arrays.at.sinceTrial));
+  const Pack slid = select(g.isNew && xiDot > 0.0, Pack(since / (1.0 + stiffnessPower<Normal>(shear))), 0.0);
+  return Vector3Of<Pack>(remembered(0), remembered(1), remembered(2)) + slid * (g.V - xiDot * g.N);
+}
+
+/// One lane of a vector.
+Vector3 laneOf(const Vector3Of<Pack>& v, int lane) {
+  return {v.x()[lane], v.y()[lane], v.z()[lane]};
+}
+
+void storeMemory(const ContactArrays& arrays, std::int32_t entry, const ContactMemoryOf<Pack>& from, int lane,
+                 ContactMemory& to) {
+  to.displacement = laneOf(from.displacement, lane);
+  to.rate = laneOf(from.rate, lane);
+  to.slides = from.slides[lane];
+  to.nextRate = laneOf(from.nextRate, lane);
+  to.stiffness = from.stiffness[lane];
+  to.loss = from.loss[lane];
+  to.heating = from.heating[lane];
+  if (entry >= 0) std::copy_n(to.rate.data(), 3, arrays.displacementRates + 3 * entry);
+}
+
+/// Of the contacts so far, in every lane.
+struct PackExtremes {
+  Pack urgency = 0.0, overlap = 0.0;
+};
+
+/// At most kPackSize contacts; lanes to spare do the last one again. request: all but sizes and masses.
+template <class Normal, class Shear>
+[[gnu::flatten]] void forcesOfPack(const ContactArrays& arrays, const MaterialPair& pair,
+                                   NormalRequestOf<Pack>& request, const std::int32_t* which,
+                                   std::int32_t count, PackExtremes& packed, Extremes& extremes) {
+  Rows particle1, particle2, owner1, owner2;
+  std::array<double*, kPackSize> forceRows, pointRows;
+  Entries entry{};
+  for (int lane = 0; lane < kPackSize; ++lane) {
+    const std::int32_t n = which[std::min(lane, count - 1)];
+    const Contact& contact = arrays.contacts[n];
+    particle1[lane] = &arrays.particles[contact.slot1].x;
+    particle2[lane] = &arrays.particles[contact.slot2].x;
+    owner1[lane] = arrays.owners[arrays.placeOfSlot[contact.slot1]].center.data();
+    owner2[lane] = arrays.owners[arrays.placeOfSlot[contact.slot2]].center.data();
+    forceRows[lane] = arrays.forces[n].force.data();
+    pointRows[lane] = arrays.forces[n].point.data();
+    if constexpr (Shear::kHasMemory) entry[lane] = arrays.memoryOfCandidate[contact.candidate];
+  }
+  const PackParticles a(particle1), b(particle2);
+  const PackMotion motion1(owner1), motion2(owner2);
+  ContactGeometryOf<Pack> g;
+  const Pack distance = placeContacts(a, b, g);
+  g.V = motion1.at(g.point) - motion2.at(g.point);  // eq. 3
+
+  const Pack inverseMass = motion1.inverseMass + motion2.inverseMass;
+  request.contact.mass = select(inverseMass > 0.0, Pack(1.0 / inverseMass), 1.0);
+  request.contact.radius = a.radius * b.radius / (a.radius + b.radius);
+  const NormalConstantsOf<Pack> normal = Normal::template constants<Pack>(request);
+  const ShearConstantsOf<Pack> shear = shearConstants<Normal, Pack>(pair, normal, request.contact.mass, 1.0);
+
+  const auto touches = g.xi > 0.0;  // the test of findContacts and the exact overlap disagree by rounding
+  ContactResultOf<Pack> result;
+  if constexpr (Shear::kHasMemory) {
+    ContactMemoryOf<Pack> memory;
+    g.turning = turningOf(a, b, motion1, motion2, g.N, distance);
+    const Vector3Of<Pack> D = displacementsOf<Normal>(arrays, entry, shear, g);
+    result = resultWithMemory<Normal, Shear, Pack>(normal, shear, g, D, memory);
+    for (int lane = 0; lane < count; ++lane) {
+      ContactMemory& to = arrays.contactMemory[which[lane]];
+      to = {};
+      if (touches[lane]) storeMemory(arrays, entry[lane], memory, lane, to);
+    }
+  } else {
+    result = resultWithoutMemory<Normal, Shear, Pack>(normal, shear, g.xi, g.N, g.V);
+  }
+  const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
+  storeRows<Pack>({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
+             ifTouching(result.dissipation)},
+            forceRows, count);
+  storeRows<Pack>({g.point.x(), g.point.y(), g.point.z(), g.xi}, pointRows, count);
+
+  packed.urgency = max(packed.urgency, ifTouching(Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)))));
+  packed.overlap = max(packed.overlap, g.xi / min(a.radius, b.radius));
+  auto counts = touches;
+  for (int lane = count; lane < kPackSize; ++lane) counts[lane] = false;
+  extremes.contacts += popcount(counts);
+  extremes.pushing += popcount(counts && result.normalForce != 0.0);
+}
+
+template <class Normal, class Shear>
+void forcesOf(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies, const std::int32_t* which,
+              std::int32_t count, Extremes& extremes) {
+  NormalRequestOf<Pack> request;
+  request.contact.modulus = pair.modulus;
+  request.damping = pair.dampingOf(ofBodies);
+  request.speed = pair.def.restitutionSpeed;
+  request.def = pair.normalOf(ofBodies);
+  PackExtremes packed;
+  for (std::int32_t n = 0; n < count; n += kPackSize) {
+    forcesOfPack<Normal, Shear>(arrays, pair, request, which + n, std::min(kPackSize, count - n), packed,
+                                extremes);
+  }
+  extremes.urgency = std::max<double>(extremes.urgency, hmax(packed.urgency));
+  extremes.overlap = std::max<double>(extremes.overlap, hmax(packed.overlap));
+}
+
+std::int32_t findContacts(const ContactArrays& arrays, std::int32_t row, std::int32_t end, std::int32_t& n) {
+  const Four plusOrMinus = {1.0, 1.0, 1.0, -1.0};
+  for (; row < end; ++row) {
+    const std::int32_t first = n, stop = arrays.rowStart[row + 1];
+    // (x1, y1, z1, -R1), so that one difference gives the way between centres and the sum of radii.
+    const Four a = plusOrMinus * loadFour(&arrays.particles[row].x);
+    for (std::int32_t c = arrays.rowStart[row]; c < stop; ++c) {
+      const std::int32_t other = arrays.partner[c];
+      if (other >= arrays.particleCount) {  // surfaces come last in a row
+        arrays.contactsOfRow[row] = {first, n};
+        return row + 1;
+      }
+      const Four d = loadFour(&arrays.particles[other].x) - a;
+      const Four q = d * d;
+      const bool touches = q[0] + q[1] + q[2] < q[3];
+      arrays.contacts[n] = {row, other, c};  // overwritten unless it counts
+      arrays.contactOfCandidate[c] = touches ? n : -1;
+      n += touches;
+    }
+    arrays.contactsOfRow[row] = {first, n};
+  }
+  return end;
+}
+
+/// arm x F and nothing in the fourth place, all finite.
+Four crossOf(const Four& a, const Four& b) {
+  return __builtin_shufflevector(a, a, 1, 2, 0, 3) * __builtin_shufflevector(b, b, 2, 0, 1, 3) -
+         __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
+}
+
+/// Of one patch. Fours: force and heat; torque.
+[[gnu::flatten]] void sumPatch(const ContactArrays& arrays, std::int32_t patch) {
+  const Four center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data());
+  Four force = {}, torque = {};
+  const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
+  for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
+    const ContactRange own = arrays.contactsOfRow[slot];
+    for (std::int32_t n = own.first; n < own.last; ++n) {
+      const Four f = loadFour(arrays.forces[n].force.data());
+      force += f;
+      torque += crossOf(loadFour(arrays.forces[n].point.data()) - center, f);
+    }
+  }
+  const double dissipation = force[3];
+  // Those that touch first, side by side: so that reading many of them can begin at once.
+  const std::int32_t last = arrays.incidenceStart[patch + 1];
+  constexpr std::int32_t kAtOnce = 64;
+  std::array<std::int32_t, kAtOnce> touching;
+  for (std::int32_t begin = arrays.incidenceStart[patch]; begin < last; begin += kAtOnce) {
+    std::int32_t count = 0;
+    for (std::int32_t k = begin; k < std::min(last, begin + kAtOnce); ++k) {
+      touching[count] = arrays.contactOfCandidate[arrays.incidenceEntries[k]];
+      count += touching[count] >= 0;
+    }
+    for (std::int32_t k = 0; k < count; ++k) {
+      const ContactForce& contact = arrays.forces[touching[k]];
+      const Four f = loadFour(contact.force.data());
+      force -= f;
+      torque -= crossOf(loadFour(contact.point.data()) - center, f);
+    }
+  }
+  force[3] = dissipation;
+  storeFour(force, arrays.wrenches[patch].force.data());
+  storeFour(torque, arrays.wrenches[patch].torque.data());
+}
+
+void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
+  for (std::int32_t patch = begin; patch < end; ++patch) sumPatch(arrays, patch);
+}
+
+template <class Normal, class Shear>
+constexpr ForceKernel kernelFor() {
+  if constexpr (Normal::kByArea) {
+    return nullptr;
+  } else {
+    return forcesOf<Normal, Shear>;
+  }
+}
+
+template <class Normal, class... Shears>
+constexpr std::array<ForceKernel, sizeof...(Shears)> kernelsOf(LawList<Shears...>) {
+  return {kernelFor<Normal, Shears>()...};
+}
+
+template <class... Normals>
+constexpr std::array<std::array<ForceKernel, ShearLaws::kCount>, sizeof...(Normals)> allKernels(
+    LawList<Normals...>) {
+  return {kernelsOf<Normals>(ShearLaws{})...};
+}
+
+}  // namespace
+}  // namespace granular::detail

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// What contacts read and write, one row each: plain data, shared by the stages of an evaluation and the
+// kernels that are compiled for several processors.
+#pragma once
+
+#include <cstdint>
+
+#include "granular/base/pose.h"
+
+namespace granular::detail {
+
+/// Where an owner is and how it moves. Rows lie in the order of places (Layout::placeOfOwner).
+struct OwnerRow {
+  Vector3 center = Vector3::Zero();  ///< m, world
+  double inverseMass = 0.0;          ///< 1/kg; 0 unless dynamic
+  Vector3 velocity = Vector3::Zero();
+  double reach = 0.0;  ///< farthest particle surface from the centre, m
+  Vector3 angularVelocity = Vector3::Zero();
+  std::int32_t material = 0;
+  std::int32_t isBody = 0;
+};
+static_assert(sizeof(OwnerRow) == 96, "one and a half cache lines, read once a side of a contact");
+
+/// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
+struct Contact {
+  std::int32_t slot1, slot2;
+  std::int32_t candidate;
+};
+
+/// What a contact does: one cache line.
+struct ContactForce {
+  Vector3 force;       ///< on the owner of particle 1, N, world
+  double dissipation;  ///< power turned into heat, W
+  Vector3 point;       ///< where it acts, m, world
+  double overlap;      ///< m; 0: the particles do not touch after all
+};
+static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
+
+/// Wrench about the owner's centre and heat, of a patch or an owner.
+struct PatchWrench {
+  Vector3 force = Vector3::Zero();   ///< N, world
+  double dissipation = 0.0;          ///< W, of contacts in the rows of its own particles
+  Vector3 torque = Vector3::Zero();  ///< N m, world
+  double padding = 0.0;
+};
+static_assert(sizeof(PatchWrench) == 64, "two registers of four numbers");
+
+/// Contacts [first, last).
+struct ContactRange {
+  std::int32_t first, last;
+};
+
+/// A contact that remembers (eq. 19); its displacement is in the state vector.
+struct MemoryEntry {
+  std::int32_t rank1, rank2;
+  double stiffness;  ///< of its spring when the last sub-step was accepted, N/m
+  double energy;     ///< in it, then, J
+  bool slides;       ///< then
+};
+
+/// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.
+struct Extremes {
+  double urgency = 0.0, overlap = 0.0;
+  std::int32_t contacts = 0, pushing = 0;
+};
+
+}  // namespace granular::detail
