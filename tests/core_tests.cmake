@@ -1,7 +1,9 @@
 list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/advice_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/allocation_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/body_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/candidate_list_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/contact_kernels_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/contact_memory_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/exact_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/free_rotation_test.cpp

@@ -179,7 +179,8 @@ TEST(Coulomb, PushesWithFullFrictionAsSoonAsItSlides) {
   const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 Vt(0.0, 0.0, 0.2);
   EXPECT_TRUE(Coulomb::force<double>(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, -5.0)));
-  EXPECT_TRUE(Coulomb::settled<double>(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, 5e-6)));
+  EXPECT_TRUE(
+      Coulomb::settled<double>(c, 10.0, 1e6, Vt, Vector3::Zero(), true).isApprox(Vector3(0, 0, 5e-6)));
 }
 
 TEST(Coulomb, HoldsWhenTheVelocityTurnsBack) {

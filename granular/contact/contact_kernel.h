@@ -14,15 +14,17 @@ namespace granular {
 /// Where two particles meet and how they move there; or several pairs of them.
 template <class Real>
 struct ContactGeometryOf {
-  Real xi = 0.0;                                    ///< overlap, m, > 0 (eq. 1)
-  Vector3Of<Real> N = Vector3Of<Real>::Zero();      ///< line of centres, from 1 to 2 (eq. 2)
-  Vector3Of<Real> point = Vector3Of<Real>::Zero();  ///< p = x1 + (R1 - xi/2) N, on a plane: the plane, m, world
-  Vector3Of<Real> V = Vector3Of<Real>::Zero();  ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
+  Real xi = 0.0;                                ///< overlap, m, > 0 (eq. 1)
+  Vector3Of<Real> N = Vector3Of<Real>::Zero();  ///< line of centres, from 1 to 2 (eq. 2)
+  Vector3Of<Real> point =
+      Vector3Of<Real>::Zero();  ///< p = x1 + (R1 - xi/2) N, on a plane: the plane, m, world
+  Vector3Of<Real> V =
+      Vector3Of<Real>::Zero();  ///< relative velocity of 1 against 2 at the point, m/s (eq. 3)
   Vector3Of<Real> turning =
       Vector3Of<Real>::Zero();  ///< angular velocity of the contact's own frame, rad/s; laws with memory only
   MaskOf<Real> slides = MaskOf<Real>(false);  ///< when the last sub-step was accepted; laws with memory only
   MaskOf<Real> isNew = MaskOf<Real>(false);   ///< begun within the present trial; laws with memory only
-  Real memoryStep = 0.0;   ///< by how much D moves on, at the rate found here, before it pulls, s
+  Real memoryStep = 0.0;       ///< by how much D moves on, at the rate found here, before it pulls, s
   Real stiffnessBefore = 0.0;  ///< of the spring when the last sub-step was accepted, N/m; 0: not known
   Real share = 1.0;        ///< times the law: area, m^2, for laws by area; else 1, or the slope of a distance
   Real shareGrowth = 0.0;  ///< how fast that grows with the overlap, of itself, 1/m
@@ -78,8 +80,8 @@ Real memoryEnergy(const Real& stiffness, const Vector3Of<Real>& displacement) {
   return 0.5 * stiffness * displacement.squaredNorm();
 }
 
-/// A contact under laws with memory (eqs. 17 and 19), or several at a time. D, m: displacement that the contact
-/// remembers, times how much stiffer its spring has become since the last sub-step was accepted.
+/// A contact under laws with memory (eqs. 17 and 19), or several at a time. D, m: displacement that the
+/// contact remembers, times how much stiffer its spring has become since the last sub-step was accepted.
 template <class Normal, class Shear, class Real>
 ContactResultOf<Real> resultWithMemory(const NormalConstantsOf<Real>& normal,
                                        const ShearConstantsOf<Real>& shear, const ContactGeometryOf<Real>& g,
@@ -113,7 +115,8 @@ ContactResultOf<Real> resultWithMemory(const NormalConstantsOf<Real>& normal,
   memory.slides = Shear::slides(shear, friction, kt, Vt, Dt, slid);
   memory.displacement = Shear::settled(shear, friction, kt, Vt, Dt, memory.slides);
   memory.loss = memoryEnergy(memory.stiffness, Dt) - memoryEnergy(memory.stiffness, memory.displacement);
-  const auto heating = [&](const Vector& d) -> Real {  // what the spring at d takes from the power of friction
+  const auto heating =
+      [&](const Vector& d) -> Real {  // what the spring at d takes from the power of friction
     return kt * d.dot(Vt) - 0.5 * max(growth, Real(-growth)) * kt * d.squaredNorm();
   };
   memory.heating = g.share * (heating(Dt) - heating(memory.displacement));

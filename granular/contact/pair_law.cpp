@@ -111,7 +111,8 @@ PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide&
   law.shearLaw = pair.def.shear.law;
   withNormalLaw(law.normalLaw, [&]<class Law>(Law) {
     law.normal = Law::constants(request);
-    law.shear = shearConstants<Law>(pair, law.normal, request.contact.mass, Law::kByArea ? request.bodyArea : 1.0);
+    law.shear =
+        shearConstants<Law>(pair, law.normal, request.contact.mass, Law::kByArea ? request.bodyArea : 1.0);
   });
   return law;
 }

@@ -18,7 +18,7 @@ void checkMaterialPair(const MaterialPairDef& def);
 struct MaterialPair {
   double restitution = 1.0;
   double friction = 0.0;
-  double modulus = 0.0;      ///< E_eff, Pa (eq. 14)
+  double modulus = 0.0;  ///< E_eff, Pa (eq. 14)
   double shearModulusRatio =
       0.0;                   ///< tangential over normal stiffness of a pressed contact, after Mindlin 1949
   double damping = 0.0;      ///< dimensionless, of the normal law between grains

@@ -32,8 +32,7 @@ struct StaticFriction {
   static Vector3Of<Real> settled(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
                                  const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
                                  const MaskOf<Real>& slides) {
-    const Vector3Of<Real> atLimit =
-        (limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt) - c.dashpot * Vt) / kt;
+    const Vector3Of<Real> atLimit = (limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt) - c.dashpot * Vt) / kt;
     return select<Real>(slides, atLimit, D);
   }
 

@@ -24,13 +24,16 @@ void CandidateList::reset(std::int32_t particleCount, double largestRadius, doub
   largestRadius_ = largestRadius;
   skin_ = skin;
   hash_.reset(2.0 * largestRadius + skin, particleCount);
+  fixedIsPlaced_ = false;
   rowStart_.clear();
   partner_.clear();
 }
 
 void CandidateList::rebuild(const SearchInput& input, const Executor& executor) {
   placeInHash(input);
-  const std::int32_t pieces = Executor::pieceCount(hash_.voxelCount(), kVoxelsPerPiece);
+  findActiveVoxels(input);
+  const auto active = static_cast<std::int32_t>(activeVoxels_.size());
+  const std::int32_t pieces = Executor::pieceCount(active, kVoxelsPerPiece);
   if (static_cast<std::int32_t>(pieces_.size()) < pieces) pieces_.resize(pieces);
   for (Piece& piece : pieces_) {
     piece.slots.clear();
@@ -38,9 +41,8 @@ void CandidateList::rebuild(const SearchInput& input, const Executor& executor) 
     piece.partners.clear();
   }
   executor.forPieces(pieces, [&](std::int32_t p) {
-    const std::int32_t end = std::min(hash_.voxelCount(), (p + 1) * kVoxelsPerPiece);
-    for (std::int32_t voxel = p * kVoxelsPerPiece; voxel < end; ++voxel)
-      searchVoxel(voxel, input, pieces_[p]);
+    const std::int32_t end = std::min(active, (p + 1) * kVoxelsPerPiece);
+    for (std::int32_t v = p * kVoxelsPerPiece; v < end; ++v) searchVoxel(activeVoxels_[v], input, pieces_[p]);
   });
   joinRows(input, executor);
 }
@@ -50,19 +52,30 @@ void CandidateList::placeInHash(const SearchInput& input) {
   // Voxels that grains have left for good would be visited for ever.
   if (hash_.emptyVoxelCount() > 3 * (hash_.voxelCount() - hash_.emptyVoxelCount()) + 1000) {
     hash_.reset(hash_.voxelEdge(), count);
+    fixedIsPlaced_ = false;
   }
-  for (std::int32_t slot = 0; slot < count; ++slot) {
+  const std::int32_t places = fixedIsPlaced_ ? std::min(count, input.movingCount) : count;
+  for (std::int32_t slot = 0; slot < places; ++slot) {
     const ParticleRow& row = input.particles[slot];
     hash_.place(slot, {row.x, row.y, row.z});
+  }
+  fixedIsPlaced_ = true;
+}
+
+/// Ground far from anything dynamic is not visited.
+void CandidateList::findActiveVoxels(const SearchInput& input) {
+  activeVoxels_.clear();
+  ++rebuilds_;
+  seenInRebuild_.resize(hash_.voxelCount(), 0);
+  for (std::int32_t slot = 0; slot < input.dynamicCount; ++slot) {
+    const std::int32_t voxel = hash_.voxelOf(slot);
+    if (seenInRebuild_[voxel] == rebuilds_) continue;
+    seenInRebuild_[voxel] = rebuilds_;
+    activeVoxels_.push_back(voxel);
   }
 }
 
 void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const {
-  const auto isDynamic = [&](std::int32_t slot) { return slot < input.dynamicCount; };
-  bool anyDynamic = false;
-  for (std::int32_t i = hash_.first(voxel); i >= 0; i = hash_.next(i)) anyDynamic |= isDynamic(i);
-  if (!anyDynamic) return;
-
   // The neighbourhood once, side by side in memory; then every particle of the voxel reads it in one go.
   piece.nearRows.clear();
   piece.nearSlots.clear();
@@ -75,7 +88,7 @@ void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Pi
   }
 
   for (std::int32_t i = hash_.first(voxel); i >= 0; i = hash_.next(i)) {
-    if (!isDynamic(i)) continue;
+    if (i >= input.dynamicCount) continue;
     const ParticleRow a = input.particles[i];
     const std::int32_t owner = input.owner[i];
     const std::int32_t rank = input.rank[i];

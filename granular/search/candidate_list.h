@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -73,6 +74,8 @@ struct SearchInput {
   std::span<const std::int32_t> rank;   ///< [slot]
   std::span<const std::int32_t> slotOfRank;
   std::int32_t dynamicCount = 0;
+  /// Slots from here on have not moved since the last list, unless fixedMoved(); by default there are none.
+  std::int32_t movingCount = std::numeric_limits<std::int32_t>::max();
   const MeetingRules* rules = nullptr;
   std::span<const double> overhang = {};  ///< [owner] how far it reaches beyond its particles to surfaces, m
 };
@@ -81,6 +84,9 @@ class CandidateList {
  public:
   /// Throws everything away: other particles, or other sizes. largestRadius and skin in m, > 0.
   void reset(std::int32_t particleCount, double largestRadius, double skin);
+
+  /// What stands still stands elsewhere than at the last list.
+  void fixedMoved() { fixedIsPlaced_ = false; }
 
   /// Pairs closer than the sum of radii plus skin, never two of one owner, never without a dynamic one.
   /// Particle 1 of a pair is the one of lower rank; a row's partners are ordered by rank.
@@ -101,6 +107,7 @@ class CandidateList {
   };
 
   void placeInHash(const SearchInput& input);
+  void findActiveVoxels(const SearchInput& input);
   void searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const;
   void searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const;
   void joinRows(const SearchInput& input, const Executor& executor);
@@ -108,6 +115,10 @@ class CandidateList {
   double largestRadius_ = 0.0;
   double skin_ = 0.0;
   SpatialHash hash_;
+  bool fixedIsPlaced_ = false;
+  std::vector<std::int32_t> activeVoxels_;   // with dynamic particles in them, in the order of the first
+  std::vector<std::int32_t> seenInRebuild_;  // by voxel
+  std::int32_t rebuilds_ = 0;
   std::vector<Piece> pieces_;
   std::vector<std::int32_t> rowStart_, partner_;
 };

@@ -33,6 +33,8 @@ class SpatialHash {
   /// First particle in a voxel, or -1; then next(particle). Order within a voxel depends on history.
   std::int32_t first(std::int32_t voxel) const { return voxels_[voxel].first; }
   std::int32_t next(std::int32_t particle) const { return links_[particle].next; }
+  /// Where a particle was put; -1: nowhere yet.
+  std::int32_t voxelOf(std::int32_t particle) const { return links_[particle].voxel; }
   /// The voxel itself and its 26 neighbours; -1 where no particle has ever been.
   const std::array<std::int32_t, 27>& neighbours(std::int32_t voxel) const {
     return voxels_[voxel].neighbours;

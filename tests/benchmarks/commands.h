@@ -26,6 +26,16 @@ void addRestitutionCommand(CLI::App& app, int& status);
 /// scenes beside table 1 of the paper.
 void addPaperTableCommand(CLI::App& app, int& status);
 
+/// `scaling [--most N] [--threads N] [--repeats N]`: time and memory a particle, by number and by threads.
+void addScalingCommand(CLI::App& app, int& status);
+
+/// `search [--particles N] [--steps N]`: the paper's hash, the plain one and ours; throws if they differ.
+void addSearchCommand(CLI::App& app, int& status);
+
+/// `skip [--spheres N] [--steps N] [--ground N] [--pairs N]`: what scenes pay for what they do not use; status
+/// 1 if something is paid.
+void addSkipCommand(CLI::App& app, int& status);
+
 /// `surfaces [--grains N] [--csv FILE]`: grains on particles, on exact boxes and on distance fields: cost,
 /// drain rate, heap.
 void addSurfacesCommand(CLI::App& app, int& status);

@@ -2,26 +2,15 @@
 #include "tests/benchmarks/lammps_peer.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 
+#include "tests/benchmarks/lattice_scene.h"
 #include "tests/lammps_program.h"
 
 namespace granular_bench {
-namespace {
-
-/// Resident memory of this process, bytes (Linux).
-std::int64_t residentBytes() {
-  std::int64_t size = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> size >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
-}
-
-}  // namespace
 
 LammpsPeer::LammpsPeer(std::filesystem::path program, std::filesystem::path folder, double timeStep)
     : program_(std::move(program)), folder_(std::move(folder)), timeStep_(timeStep) {

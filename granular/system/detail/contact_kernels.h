@@ -42,8 +42,8 @@ struct ContactArrays {
   Moment at;
   // Patches.
   const std::int32_t* placeOfPatch = nullptr;
-  const std::int32_t* slotOfPatch = nullptr;       ///< one entry more than patches
-  const std::int32_t* incidenceStart = nullptr;    ///< as CandidateIncidence
+  const std::int32_t* slotOfPatch = nullptr;     ///< one entry more than patches
+  const std::int32_t* incidenceStart = nullptr;  ///< as CandidateIncidence
   const std::int32_t* incidenceEntries = nullptr;
   PatchWrench* wrenches = nullptr;  ///< to be filled
 };
@@ -64,7 +64,8 @@ struct ContactKernels {
   const char* processor;  ///< what it is for
   RowKernel findContacts;
   WrenchKernel sumWrenches;
-  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount> forces;  ///< null for laws by area
+  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount>
+      forces;  ///< null for laws by area
 };
 
 /// The best for the processor at hand; environment variable GRANULAR_PROCESSOR ("baseline", "avx2") asks for

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The kernels themselves, included once by the file for each processor, with that processor's packs. All of it
-// is local to that file: a function that two of them shared could be taken from the wrong one.
+// The kernels themselves, included once by the file for each processor, with that processor's packs. All of
+// it is local to that file: a function that two of them shared could be taken from the wrong one.
 #pragma once
 
 #ifdef __AVX512F__  // gcc 12 takes the undefined upper halves of its own intrinsics for a mistake of ours
@@ -31,7 +31,9 @@ Four loadFour(const double* from) {
   std::memcpy(&four, from, sizeof(four));
   return four;
 }
-void storeFour(const Four& four, double* to) { std::memcpy(to, &four, sizeof(four)); }
+void storeFour(const Four& four, double* to) {
+  std::memcpy(to, &four, sizeof(four));
+}
 
 /// Numbers 0 to 3 from where each lane points to, each kind in a pack of its own.
 using Rows = std::array<const double*, kPackSize>;
@@ -39,8 +41,10 @@ template <class P = Pack>
 std::array<P, 4> packsOf(const Rows& rows) {
   if constexpr (sizeof(P) == sizeof(Four)) {
     const Four a = loadFour(rows[0]), b = loadFour(rows[1]), c = loadFour(rows[2]), d = loadFour(rows[3]);
-    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+               ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+               cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
     return {std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5)),
             std::bit_cast<P>(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5)),
             std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7)),
@@ -56,8 +60,10 @@ void storeRows(const std::array<P, 4>& packs, const std::array<double*, kPackSiz
   if constexpr (sizeof(P) == sizeof(Four)) {
     const auto four = [&](int k) { return std::bit_cast<Four>(packs[k]); };
     const Four a = four(0), b = four(1), c = four(2), d = four(3);
-    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+               ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+               cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
     storeFour(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), rows[0]);
     if (count > 1) storeFour(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5), rows[1]);
     if (count > 2) storeFour(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), rows[2]);
@@ -90,7 +96,8 @@ struct PackMotion {
     static_assert(offsetof(OwnerRow, velocity) == 4 * sizeof(double));
     static_assert(offsetof(OwnerRow, angularVelocity) == 8 * sizeof(double));
     Rows velocities, spins;
-    for (int lane = 0; lane < kPackSize; ++lane) velocities[lane] = rows[lane] + 4, spins[lane] = rows[lane] + 8;
+    for (int lane = 0; lane < kPackSize; ++lane)
+      velocities[lane] = rows[lane] + 4, spins[lane] = rows[lane] + 8;
     const std::array<Pack, 4> first = packsOf(rows), second = packsOf(velocities), third = packsOf(spins);
     center = {first[0], first[1], first[2]};
     inverseMass = first[3];
@@ -141,7 +148,8 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
     g.isNew[lane] = entry[lane] < 0;
     g.slides[lane] = entry[lane] >= 0 && arrays.memory[entry[lane]].slides;
   }
-  g.stiffnessBefore = packOf([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
+  g.stiffnessBefore =
+      packOf([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
   g.memoryStep = select(g.isNew, Pack(0.0), arrays.at.memoryStep);
   // Begun within this trial: it has slid since its overlap was zero.
   const Pack xiDot = g.V.dot(g.N);
@@ -220,8 +228,8 @@ template <class Normal, class Shear>
   }
   const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
   storeRows<Pack>({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
-             ifTouching(result.dissipation)},
-            forceRows, count);
+                   ifTouching(result.dissipation)},
+                  forceRows, count);
   storeRows<Pack>({g.point.x(), g.point.y(), g.point.z(), g.xi}, pointRows, count);
 
   packed.urgency = max(packed.urgency, ifTouching(Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)))));

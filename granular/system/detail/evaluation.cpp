@@ -80,6 +80,7 @@ void Evaluation::placeFixed() {
     if (layout_.ownerOfSurface[s] >= layout_.movingCount()) placeSurface(s);
   }
   listIsCurrent_ = false;
+  list_.fixedMoved();
 }
 
 void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
@@ -94,7 +95,8 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
 }
 
 /// What the kernels read and fill.
-ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
+ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& y,
+                                   std::vector<double>& rate) {
   return {.particleCount = layout_.particleCount,
           .dynamicParticles = layout_.dynamicParticles,
           .particles = particles_.data(),

@@ -126,6 +126,9 @@ class Evaluation {
   void placeSurface(std::int32_t s);
   double surfaceMove(std::int32_t s) const;
   void rememberList();
+  bool remembers(const Contact& contact) const;
+  ContactRange contactsOfPiece(std::int32_t piece) const;
+  void settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate);
 
   /// Whether contact n, -1 for none, is one: findContacts may also offer pairs that turn out to be apart.
   bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
@@ -144,8 +147,8 @@ class Evaluation {
   std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
   void forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays, const double* y,
                      double* rate, Extremes& extremes);
-  void forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at, const double* y,
-                      double* rate, Extremes& extremes);
+  void forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at,
+                      const double* y, double* rate, Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
   bool foundationGeometry(const Contact& contact, const Vector3& center, ContactGeometry& geometry) const;
@@ -177,13 +180,20 @@ class Evaluation {
 
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
-  std::vector<std::int32_t> contactOfCandidate_;                      // -1: apart
-  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1
+  std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
+  std::vector<ContactRange> contactsOfRow_;       // by slot of particle 1
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
   std::vector<PatchWrench> patchWrenches_;
 
-  std::vector<MemoryEntry> memory_;              // by rank1, then rank2; entry m is at stateSize() + 3 m of y
+  std::vector<MemoryEntry> memory_;           // as contacts lie; entry m is at stateSize() + 3 m of y
+  std::vector<MemoryEntry> memoryBefore_;     // of the sub-step before
+  std::vector<std::uint8_t> livesOn_;         // of those
+  std::vector<std::int32_t> entriesInPiece_;  // of memory_, before each piece of rows
+  struct Settled {
+    double heat = 0.0, heating = 0.0;  // J, W: as ContactMemory's loss and heating
+  };
+  std::vector<Settled> settledOfRank_;           // summed by rank, in which no re-sorting changes anything
   std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
   std::vector<ContactMemory> contactMemory_;     // by contact
   std::vector<double> pieceMaximum_, pieceMaximum2_;

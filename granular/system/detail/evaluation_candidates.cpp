@@ -108,6 +108,7 @@ void Evaluation::rebuildCandidates() {
                           .rank = layout_.rankOfSlot,
                           .slotOfRank = layout_.slotOfRank,
                           .dynamicCount = layout_.dynamicParticles,
+                          .movingCount = layout_.movingParticles,
                           .rules = &layout_.rules,
                           .overhang = layout_.overhang};
   list_.rebuild(input, executor_);
@@ -121,12 +122,12 @@ void Evaluation::rebuildCandidates() {
 
 /// What the list was made for, and which of its candidates have a memory.
 void Evaluation::rememberList() {
-  listedParticles_ = particles_;
+  listedParticles_.assign(particles_.begin(), particles_.begin() + layout_.movingParticles);
   listedSurfaces_ = surfaces_;
   listIsCurrent_ = true;
   listedExtent_ = 0.0;
   if (!surfaces_.empty()) {
-    for (const ParticleRow& row : particles_) {
+    for (const ParticleRow& row : listedParticles_) {
       listedExtent_ = std::max(listedExtent_, Vector3(row.x, row.y, row.z).norm());
     }
   }

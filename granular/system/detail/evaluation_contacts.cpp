@@ -251,8 +251,8 @@ void Evaluation::forcesOneByOne(std::int32_t begin, std::int32_t end, const Pair
   });
 }
 
-/// Contacts [begin, end) of one piece: kernels take those between particles in runs under one rule, the others
-/// wait and come one by one.
+/// Contacts [begin, end) of one piece: kernels take those between particles in runs under one rule, the
+/// others wait and come one by one.
 void Evaluation::forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays,
                                const double* y, double* rate, Extremes& extremes) {
   std::array<std::int32_t, kContactsPerCall> which;
@@ -287,8 +287,8 @@ void Evaluation::computeContactForces(const ContactArrays& arrays, const std::ve
   extremesInPiece_.assign(pieces, {});
   if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const std::int32_t begin = list_.rowStart()[piece * kRowsPerPiece];
-    forcesOfPiece(begin, begin + contactsInPiece_[piece], arrays, y.data(), rate.data(), extremesInPiece_[piece]);
+    const ContactRange range = contactsOfPiece(piece);
+    forcesOfPiece(range.first, range.last, arrays, y.data(), rate.data(), extremesInPiece_[piece]);
   });
   summary_.urgency = summary_.largestOverlap = 0.0;
   summary_.contacts = summary_.pushing = 0;

@@ -3,9 +3,11 @@
 // list and from layout to layout.
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "granular/contact/law_list.h"
 #include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/stage_tools.h"
 
 namespace granular::detail {
 
@@ -26,7 +28,15 @@ std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double
     contact.slides = memory_[m].slides;
     memory.push_back(contact);
   }
-  return memory;
+  // Entries lie as slots do, which depends on the past.
+  std::vector<std::size_t> order(memory.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(memory_[a].rank1, memory_[a].rank2) < std::pair(memory_[b].rank1, memory_[b].rank2);
+  });
+  std::vector<RememberedContact> sorted;
+  for (const std::size_t m : order) sorted.push_back(memory[m]);
+  return sorted;
 }
 
 void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std::vector<double>& y) {
@@ -54,9 +64,10 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
     // view.
     if (rank1 < 0 || rank2 < 0) continue;
     const bool swapped = rank2 < rank1;
-    known.push_back({{std::min(rank1, rank2), std::max(rank1, rank2), contact.stiffness,
-                      granular::memoryEnergy<double>(contact.stiffness, contact.displacement), contact.slides},
-                     swapped ? Vector3(-contact.displacement) : contact.displacement});
+    known.push_back(
+        {{std::min(rank1, rank2), std::max(rank1, rank2), contact.stiffness,
+          granular::memoryEnergy<double>(contact.stiffness, contact.displacement), contact.slides},
+         swapped ? Vector3(-contact.displacement) : contact.displacement});
   }
   std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
     return std::pair(a.first.rank1, a.first.rank2) < std::pair(b.first.rank1, b.first.rank2);
@@ -67,51 +78,79 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
   }
 }
 
+bool Evaluation::remembers(const Contact& contact) const {
+  return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
+}
+
+/// Contacts of a piece of rows: [first, last).
+ContactRange Evaluation::contactsOfPiece(std::int32_t piece) const {
+  const std::int32_t first = list_.rowStart()[piece * kRowsPerPiece];
+  return {first, first + contactsInPiece_[piece]};
+}
+
 void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate) {
   if (!hasMemory_) return;
-  double heat = 0.0, heating = 0.0;
-  std::vector<MemoryEntry> kept;
-  std::vector<double> displacements, displacementRates;
-  std::vector<bool> lives(memory_.size(), false);
-  for (std::int32_t rank = 0; rank < layout_.dynamicParticles; ++rank) {
-    const std::int32_t slot = layout_.slotOfRank[rank];
-    for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
-      const std::int32_t n = contactOfCandidate_[c];
-      if (!touches(n)) {
-        memoryOfCandidate_[c] = -1;
-        continue;
-      }
-      const ShearLaw shear = ruleOf(contacts_[n]).pair->def.shear.law;
-      if (!withShearLaw(shear, []<class Law>(Law) { return Law::kHasMemory; })) continue;
-      const ContactMemory& memory = contactMemory_[n];
-      const std::int32_t before = memoryOfCandidate_[c];
-      if (before >= 0) lives[before] = true;
-      heat += memory.loss;
-      heating += memory.heating;
-      memoryOfCandidate_[c] = static_cast<std::int32_t>(kept.size());
-      kept.push_back({rank, layout_.rankOfSlot[contacts_[n].slot2], memory.stiffness,
-                      granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides});
-      for (int k = 0; k < 3; ++k) {
-        displacements.push_back(memory.displacement[k]);
-        displacementRates.push_back(memory.nextRate[k]);
-      }
-    }
+  const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
+  entriesInPiece_.assign(pieces + 1, 0);
+  executor_.forPieces(pieces, [&](std::int32_t piece) {
+    const ContactRange range = contactsOfPiece(piece);
+    std::int32_t count = 0;
+    for (std::int32_t n = range.first; n < range.last; ++n) count += touches(n) && remembers(contacts_[n]);
+    entriesInPiece_[piece + 1] = count;
+  });
+  for (std::int32_t piece = 0; piece < pieces; ++piece) entriesInPiece_[piece + 1] += entriesInPiece_[piece];
+  const std::int32_t entries = entriesInPiece_[pieces];
+  memoryBefore_.swap(memory_);
+  memory_.resize(entries);
+  livesOn_.assign(memoryBefore_.size(), 0);
+  settledOfRank_.assign(layout_.dynamicParticles, {});
+  y.resize(stateSize() + 3 * entries);
+  rate.resize(y.size());
+  executor_.forPieces(pieces, [&](std::int32_t piece) { settlePiece(piece, y, rate); });
+  for (std::size_t m = 0; m < memoryBefore_.size(); ++m) {
+    if (!livesOn_[m]) settledOfRank_[memoryBefore_[m].rank1].heat += memoryBefore_[m].energy;
   }
-  for (std::size_t m = 0; m < memory_.size(); ++m) {
-    if (!lives[m]) heat += memory_[m].energy;
+  Settled sum;
+  for (const Settled& settled : settledOfRank_) {
+    sum.heat += settled.heat;
+    sum.heating += settled.heating;
   }
-  memory_ = std::move(kept);
-  y.resize(stateSize());
-  y.insert(y.end(), displacements.begin(), displacements.end());
-  y[heatAt()] += heat;
-  rate.resize(stateSize());
-  rate[heatAt()] += heating;
-  rate.insert(rate.end(), displacementRates.begin(), displacementRates.end());
+  y[heatAt()] += sum.heat;
+  rate[heatAt()] += sum.heating;
+}
+
+/// The memory of contacts in one piece of rows, into its places of memory_, y and rate.
+void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate) {
+  const ContactRange range = contactsOfPiece(piece);
+  for (std::int32_t n = range.first; n < range.last; ++n) {
+    const std::int32_t before = memoryOfCandidate_[contacts_[n].candidate];
+    if (before >= 0 && touches(n)) livesOn_[before] = 1;
+  }
+  const std::int32_t endRow = std::min(layout_.dynamicParticles, (piece + 1) * kRowsPerPiece);
+  std::fill(memoryOfCandidate_.begin() + list_.rowStart()[piece * kRowsPerPiece],
+            memoryOfCandidate_.begin() + list_.rowStart()[endRow], -1);
+  std::int32_t m = entriesInPiece_[piece];
+  for (std::int32_t n = range.first; n < range.last; ++n) {
+    const Contact& contact = contacts_[n];
+    if (!touches(n) || !remembers(contact)) continue;
+    const ContactMemory& memory = contactMemory_[n];
+    const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
+    settledOfRank_[rank].heat += memory.loss;
+    settledOfRank_[rank].heating += memory.heating;
+    memory_[m] = {rank, layout_.rankOfSlot[contact.slot2], memory.stiffness,
+                  granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides};
+    Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
+    Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
+    memoryOfCandidate_[contact.candidate] = m++;
+  }
 }
 
 double Evaluation::memoryEnergy() const {
+  if (memory_.empty()) return 0.0;
   double energy = 0.0;
-  for (const MemoryEntry& entry : memory_) energy += entry.energy;
+  std::vector<double> ofRank(layout_.dynamicParticles, 0.0);
+  for (const MemoryEntry& entry : memory_) ofRank[entry.rank1] += entry.energy;
+  for (const double own : ofRank) energy += own;
   return energy;
 }
 

@@ -66,9 +66,8 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
           vectorAt(own, state::kPosition) + drift.time * momentum(state::kVelocity, drift.poseKick);
       const Vector3 L = momentum(state::kAngularMomentum, drift.poseKick);
       const double ofSphere = layout.sphereInverseInertia[o];
-      writeQuaternion(ofSphere > 0.0
-                          ? (turnBy(drift.time * ofSphere * L) * readQuaternion(own)).normalized()
-                          : turned(layout.owners[o], readQuaternion(own), L, drift.time),
+      writeQuaternion(ofSphere > 0.0 ? (turnBy(drift.time * ofSphere * L) * readQuaternion(own)).normalized()
+                                     : turned(layout.owners[o], readQuaternion(own), L, drift.time),
                       out);
       vectorAt(out, state::kVelocity) = momentum(state::kVelocity, drift.kick);
       vectorAt(out, state::kAngularMomentum) = momentum(state::kAngularMomentum, drift.kick);

@@ -148,7 +148,8 @@ void Layout::findKinds() {
 
 void Layout::assignSlots(std::vector<std::int32_t> order) {
   ownerOfPlace = std::move(order);
-  for (auto o = static_cast<std::int32_t>(ownerOfPlace.size()); o < static_cast<std::int32_t>(owners.size()); ++o) {
+  for (auto o = static_cast<std::int32_t>(ownerOfPlace.size()); o < static_cast<std::int32_t>(owners.size());
+       ++o) {
     ownerOfPlace.push_back(o);
   }
   placeOfOwner.resize(owners.size());

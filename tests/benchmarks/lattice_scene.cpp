@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "tests/benchmarks/lattice_scene.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "granular/base/random.h"
+
+namespace granular_bench {
+namespace {
+
+using granular::Vector3;
+
+constexpr double kRadius = 2.5e-3;    // m
+constexpr double kSpread = 0.05;      // of the radius
+constexpr double kSpacing = 1.98;     // radii
+constexpr double kShake = 0.01;       // radii
+constexpr std::int64_t kLayers = 20;  // at most: the same pressure at any size
+
+}  // namespace
+
+LatticeScene makeLattice(const LatticeDef& def) {
+  LatticeScene scene{granular::GranularSystem({.integrator = def.integrator, .threads = def.threads}), {}};
+  granular::GranularSystem& system = scene.system;
+  scene.material = system.addMaterial({.name = "grain", .youngsModulus = 1e7, .friction = 0.5});
+  system.setMaterialPair(scene.material, scene.material, {.shear = {.law = def.shear}});
+  system.addBody({.exact = granular::HalfSpace{}, .material = scene.material});
+  const granular::GrainShapeId shape = system.addGrainShape(granular::sphereShape(kRadius));
+  const auto side =
+      static_cast<std::int64_t>(std::ceil(std::sqrt(static_cast<double>(def.spheres) / kLayers)));
+  granular::Random random(3);
+  for (std::int64_t i = 0; i < def.spheres; ++i) {
+    const auto at = [&](std::int64_t n) {
+      return kRadius * (kSpacing * static_cast<double>(n) + kShake * random.uniform(-1.0, 1.0));
+    };
+    const Vector3 place(at(i % side), kRadius + at(i / (side * side)), at(i / side % side));
+    const Vector3 velocity = def.speed * (random.rotation() * Vector3::UnitX());
+    system.addGrain({.shape = shape,
+                     .material = scene.material,
+                     .pose = {.position = place},
+                     .velocity = velocity,
+                     .scale = random.uniform(1.0 - kSpread, 1.0 + kSpread)});
+  }
+  return scene;
+}
+
+std::int64_t residentBytes() {
+  std::int64_t size = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+}  // namespace granular_bench
