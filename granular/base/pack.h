@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <experimental/simd>
+#include <type_traits>
 
 #include "granular/base/pose.h"
 
@@ -29,9 +30,40 @@ inline constexpr int kPackSize = static_cast<int>(Pack::size());
 
 }  // namespace GRANULAR_ISA
 
-/// Three of them: as Vector3, with packs for numbers.
+/// Three packs, with what the laws need of Vector3. Eigen's own vectors hold an array, which compilers keep
+/// in memory where these stay in registers.
 template <class Real>
-using Vector3Of = Eigen::Matrix<Real, 3, 1>;
+struct PackVector3 {
+  Real first = 0.0, second = 0.0, third = 0.0;
+
+  static PackVector3 Zero() { return {}; }
+  const Real& x() const { return first; }
+  const Real& y() const { return second; }
+  const Real& z() const { return third; }
+  Real dot(const PackVector3& v) const { return first * v.first + second * v.second + third * v.third; }
+  Real squaredNorm() const { return dot(*this); }
+  PackVector3 cross(const PackVector3& v) const {
+    return {second * v.third - third * v.second, third * v.first - first * v.third,
+            first * v.second - second * v.first};
+  }
+
+  friend PackVector3 operator+(const PackVector3& a, const PackVector3& b) {
+    return {a.first + b.first, a.second + b.second, a.third + b.third};
+  }
+  friend PackVector3 operator-(const PackVector3& a, const PackVector3& b) {
+    return {a.first - b.first, a.second - b.second, a.third - b.third};
+  }
+  friend PackVector3 operator*(const Real& s, const PackVector3& v) {
+    return {s * v.first, s * v.second, s * v.third};
+  }
+  friend PackVector3 operator/(const PackVector3& v, const Real& s) {
+    return {v.first / s, v.second / s, v.third / s};
+  }
+};
+
+/// Three numbers, or three packs.
+template <class Real>
+using Vector3Of = std::conditional_t<std::is_same_v<Real, double>, Vector3, PackVector3<Real>>;
 
 // For templates over Real; for packs argument-dependent look-up finds the library's.
 using std::max;
@@ -102,21 +134,3 @@ Vector3Of<Real> select(const MaskOf<Real>& condition, const Vector3Of<Real>& a, 
 }
 
 }  // namespace granular
-
-/// Lets Eigen's small vectors hold packs.
-template <>
-struct Eigen::NumTraits<granular::Pack> : Eigen::GenericNumTraits<double> {
-  using Real = granular::Pack;
-  using NonInteger = granular::Pack;
-  using Nested = granular::Pack;
-  using Literal = granular::Pack;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 0,
-    ReadCost = 1,
-    AddCost = 1,
-    MulCost = 1
-  };
-};

@@ -20,7 +20,7 @@ struct Coulomb {
   static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
                                const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
                                const MaskOf<Real>& slid) {
-    const Vector3Of<Real> sliding = -c.mu * fn / sqrt(Vt.squaredNorm()) * Vt;
+    const Vector3Of<Real> sliding = Real(-c.mu * fn / sqrt(Vt.squaredNorm())) * Vt;
     return select<Real>(slides(c, fn, kt, Vt, D, slid) && isFast(c, fn, Vt), sliding,
                         StaticFriction::force(c, fn, kt, Vt, D, slid));
   }
@@ -36,7 +36,7 @@ struct Coulomb {
   static Vector3Of<Real> settled(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
                                  const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,
                                  const MaskOf<Real>& slides) {
-    const Vector3Of<Real> sliding = c.mu * fn / kt / sqrt(Vt.squaredNorm()) * Vt;
+    const Vector3Of<Real> sliding = Real(c.mu * fn / kt / sqrt(Vt.squaredNorm())) * Vt;
     return select<Real>(slides && isFast(c, fn, Vt), sliding,
                         StaticFriction::settled(c, fn, kt, Vt, D, slides));
   }

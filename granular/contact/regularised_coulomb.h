@@ -15,7 +15,7 @@ struct RegularisedCoulomb {
   static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, Real fn, const Vector3Of<Real>& Vt) {
     const Real speed = sqrt(Vt.squaredNorm()), limit = c.mu * fn;
     const Real kt = c.viscosity;
-    return -select(limit < kt * speed, limit / speed, kt) * Vt;
+    return Real(-select(limit < kt * speed, Real(limit / speed), kt)) * Vt;
   }
 };
 

@@ -18,7 +18,7 @@ struct StaticFriction {
   template <class Real>
   static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
                                const Vector3Of<Real>& Vt, const Vector3Of<Real>& D, const MaskOf<Real>&) {
-    return -limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt);
+    return Real(-1.0) * limited<Real>(c.mu * fn, kt * D + c.dashpot * Vt);
   }
   /// Whether friction is at its limit once the sub-step is accepted.
   template <class Real>

@@ -12,7 +12,7 @@ struct ViscousShear {
   /// On particle 1, N. fn = magnitude of the normal force, N; Vt = tangential velocity of 1 against 2, m/s.
   template <class Real>
   static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, Real, const Vector3Of<Real>& Vt) {
-    return -c.viscosity * Vt;
+    return Real(-c.viscosity) * Vt;
   }
 };
 

@@ -35,42 +35,49 @@ void storeFour(const Four& four, double* to) {
   std::memcpy(to, &four, sizeof(four));
 }
 
-/// Numbers 0 to 3 from where each lane points to, each kind in a pack of its own.
-using Rows = std::array<const double*, kPackSize>;
-template <class P = Pack>
-std::array<P, 4> packsOf(const Rows& rows) {
+/// Four packs; named one by one, as arrays would be kept in memory.
+template <class P>
+struct FourPacks {
+  P first, second, third, fourth;
+};
+
+/// Rows of four numbers, one a lane, into packs of first, second, third and fourth ones. of(lane): where.
+template <class P = Pack, class Function>
+FourPacks<P> packsOf(Function&& of) {
   if constexpr (sizeof(P) == sizeof(Four)) {
-    const Four a = loadFour(rows[0]), b = loadFour(rows[1]), c = loadFour(rows[2]), d = loadFour(rows[3]);
+    const Four a = loadFour(of(0)), b = loadFour(of(1)), c = loadFour(of(2)), d = loadFour(of(3));
     const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
                ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
     const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
                cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    return {std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5)),
-            std::bit_cast<P>(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5)),
-            std::bit_cast<P>(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7)),
-            std::bit_cast<P>(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7))};
+    return {P(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5)),
+            P(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5)),
+            P(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7)),
+            P(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7))};
   } else {
-    const auto pack = [&](int k) { return packOf([&](int lane) { return rows[lane][k]; }); };
-    return {pack(0), pack(1), pack(2), pack(3)};
+    return {packOf([&](int lane) { return of(lane)[0]; }), packOf([&](int lane) { return of(lane)[1]; }),
+            packOf([&](int lane) { return of(lane)[2]; }), packOf([&](int lane) { return of(lane)[3]; })};
   }
 }
-/// The way back, into `count` rows.
-template <class P>
-void storeRows(const std::array<P, 4>& packs, const std::array<double*, kPackSize>& rows, int count) {
+/// The way back, into the rows of the first `count` lanes.
+template <class P, class Function>
+void storeRows(const FourPacks<P>& packs, int count, Function&& of) {
   if constexpr (sizeof(P) == sizeof(Four)) {
-    const auto four = [&](int k) { return std::bit_cast<Four>(packs[k]); };
-    const Four a = four(0), b = four(1), c = four(2), d = four(3);
+    const auto a = static_cast<Four>(packs.first), b = static_cast<Four>(packs.second),
+               c = static_cast<Four>(packs.third), d = static_cast<Four>(packs.fourth);
     const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
                ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
     const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
                cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    storeFour(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), rows[0]);
-    if (count > 1) storeFour(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5), rows[1]);
-    if (count > 2) storeFour(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), rows[2]);
-    if (count > 3) storeFour(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7), rows[3]);
+    storeFour(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), of(0));
+    if (count > 1) storeFour(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5), of(1));
+    if (count > 2) storeFour(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), of(2));
+    if (count > 3) storeFour(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7), of(3));
   } else {
     for (int lane = 0; lane < count; ++lane) {
-      for (int k = 0; k < 4; ++k) rows[lane][k] = packs[k][lane];
+      double* to = of(lane);
+      to[0] = packs.first[lane], to[1] = packs.second[lane];
+      to[2] = packs.third[lane], to[3] = packs.fourth[lane];
     }
   }
 }
@@ -79,36 +86,33 @@ void storeRows(const std::array<P, 4>& packs, const std::array<double*, kPackSiz
 struct PackParticles {
   Vector3Of<Pack> center;
   Pack radius;
-
-  explicit PackParticles(const Rows& rows) {
-    const std::array<Pack, 4> row = packsOf(rows);
-    center = {row[0], row[1], row[2]};
-    radius = row[3];
-  }
 };
+template <class Function>
+PackParticles particlesOf(Function&& rowOf) {
+  static_assert(offsetof(ParticleRow, radius) == 3 * sizeof(double));
+  const FourPacks<Pack> row = packsOf([&](int lane) { return &rowOf(lane).x; });
+  return {{row.first, row.second, row.third}, row.fourth};
+}
 
 /// Their owners.
 struct PackMotion {
   Vector3Of<Pack> center, velocity, angularVelocity;
   Pack inverseMass;
 
-  explicit PackMotion(const Rows& rows) {
-    static_assert(offsetof(OwnerRow, velocity) == 4 * sizeof(double));
-    static_assert(offsetof(OwnerRow, angularVelocity) == 8 * sizeof(double));
-    Rows velocities, spins;
-    for (int lane = 0; lane < kPackSize; ++lane)
-      velocities[lane] = rows[lane] + 4, spins[lane] = rows[lane] + 8;
-    const std::array<Pack, 4> first = packsOf(rows), second = packsOf(velocities), third = packsOf(spins);
-    center = {first[0], first[1], first[2]};
-    inverseMass = first[3];
-    velocity = {second[0], second[1], second[2]};
-    angularVelocity = {third[0], third[1], third[2]};
-  }
-
   Vector3Of<Pack> at(const Vector3Of<Pack>& point) const {
     return velocity + angularVelocity.cross(point - center);
   }
 };
+template <class Function>
+PackMotion motionsOf(Function&& rowOf) {
+  const FourPacks<Pack> place = packsOf([&](int lane) { return rowOf(lane).center.data(); });
+  const FourPacks<Pack> motion = packsOf([&](int lane) { return rowOf(lane).velocity.data(); });
+  const FourPacks<Pack> spin = packsOf([&](int lane) { return rowOf(lane).angularVelocity.data(); });
+  return {{place.first, place.second, place.third},
+          {motion.first, motion.second, motion.third},
+          {spin.first, spin.second, spin.third},
+          place.fourth};
+}
 
 /// Where they meet; xi is 0 where they do not touch after all. Returns the distance of their centres.
 Pack placeContacts(const PackParticles& a, const PackParticles& b, ContactGeometryOf<Pack>& g) {
@@ -185,22 +189,24 @@ template <class Normal, class Shear>
 [[gnu::flatten]] void forcesOfPack(const ContactArrays& arrays, const MaterialPair& pair,
                                    NormalRequestOf<Pack>& request, const std::int32_t* which,
                                    std::int32_t count, PackExtremes& packed, Extremes& extremes) {
-  Rows particle1, particle2, owner1, owner2;
-  std::array<double*, kPackSize> forceRows, pointRows;
+  const auto contactOf = [&](int lane) -> const Contact& {
+    return arrays.contacts[which[std::min(lane, count - 1)]];
+  };
+  const auto ownerOf = [&](std::int32_t slot) -> const OwnerRow& {
+    return arrays.owners[arrays.placeOfSlot[slot]];
+  };
   Entries entry{};
-  for (int lane = 0; lane < kPackSize; ++lane) {
-    const std::int32_t n = which[std::min(lane, count - 1)];
-    const Contact& contact = arrays.contacts[n];
-    particle1[lane] = &arrays.particles[contact.slot1].x;
-    particle2[lane] = &arrays.particles[contact.slot2].x;
-    owner1[lane] = arrays.owners[arrays.placeOfSlot[contact.slot1]].center.data();
-    owner2[lane] = arrays.owners[arrays.placeOfSlot[contact.slot2]].center.data();
-    forceRows[lane] = arrays.forces[n].force.data();
-    pointRows[lane] = arrays.forces[n].point.data();
-    if constexpr (Shear::kHasMemory) entry[lane] = arrays.memoryOfCandidate[contact.candidate];
+  if constexpr (Shear::kHasMemory) {
+    for (int lane = 0; lane < kPackSize; ++lane) {
+      entry[lane] = arrays.memoryOfCandidate[contactOf(lane).candidate];
+    }
   }
-  const PackParticles a(particle1), b(particle2);
-  const PackMotion motion1(owner1), motion2(owner2);
+  const PackParticles a =
+      particlesOf([&](int lane) -> auto& { return arrays.particles[contactOf(lane).slot1]; });
+  const PackParticles b =
+      particlesOf([&](int lane) -> auto& { return arrays.particles[contactOf(lane).slot2]; });
+  const PackMotion motion1 = motionsOf([&](int lane) -> auto& { return ownerOf(contactOf(lane).slot1); });
+  const PackMotion motion2 = motionsOf([&](int lane) -> auto& { return ownerOf(contactOf(lane).slot2); });
   ContactGeometryOf<Pack> g;
   const Pack distance = placeContacts(a, b, g);
   g.V = motion1.at(g.point) - motion2.at(g.point);  // eq. 3
@@ -227,10 +233,12 @@ template <class Normal, class Shear>
     result = resultWithoutMemory<Normal, Shear, Pack>(normal, shear, g.xi, g.N, g.V);
   }
   const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
+  const auto forceOf = [&](int lane) { return arrays.forces[which[lane]].force.data(); };
+  const auto pointOf = [&](int lane) { return arrays.forces[which[lane]].point.data(); };
   storeRows<Pack>({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
                    ifTouching(result.dissipation)},
-                  forceRows, count);
-  storeRows<Pack>({g.point.x(), g.point.y(), g.point.z(), g.xi}, pointRows, count);
+                  count, forceOf);
+  storeRows<Pack>({g.point.x(), g.point.y(), g.point.z(), g.xi}, count, pointOf);
 
   packed.urgency = max(packed.urgency, ifTouching(Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)))));
   packed.overlap = max(packed.overlap, g.xi / min(a.radius, b.radius));

@@ -265,10 +265,9 @@ void Evaluation::forcesOfPiece(std::int32_t begin, std::int32_t end, const Conta
     kernel(arrays, *rule.pair, rule.ofBodies, which.data(), count, extremes);
     count = 0;
   };
-  const PairRule ofParticles = isUniform_ ? ruleBetween(0, 0, false, true) : PairRule{};
   for (std::int32_t n = begin; n < end; ++n) {
-    const bool isPlain = isUniform_ && contacts_[n].slot2 < layout_.particleCount;
-    const PairRule own = isPlain ? ofParticles : ruleOf(contacts_[n]);
+    const bool isSameRule = isUniform_ && count > 0 && contacts_[n].slot2 < layout_.particleCount;
+    const PairRule own = isSameRule ? rule : ruleOf(contacts_[n]);
     if (!own.isPacked) {
       forcesOneByOne(n, n + 1, own, arrays.at, y, rate, extremes);
       continue;
