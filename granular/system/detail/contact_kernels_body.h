@@ -3,11 +3,6 @@
 // it is local to that file: a function that two of them shared could be taken from the wrong one.
 #pragma once
 
-#ifdef __AVX512F__  // gcc 12 takes the undefined upper halves of its own intrinsics for a mistake of ours
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
 #include <algorithm>
 #include <bit>
 #include <cstddef>
