@@ -146,11 +146,12 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
 }
 
 double Evaluation::memoryEnergy() const {
-  if (memory_.empty()) return 0.0;
   double energy = 0.0;
-  std::vector<double> ofRank(layout_.dynamicParticles, 0.0);
-  for (const MemoryEntry& entry : memory_) ofRank[entry.rank1] += entry.energy;
-  for (const double own : ofRank) energy += own;
+  if (memory_.empty()) return energy;
+  forEachContact([&](const Contact& contact, const ContactForce&) {
+    const std::int32_t m = memoryOfCandidate_[contact.candidate];
+    if (m >= 0) energy += memory_[m].energy;
+  });
   return energy;
 }
 
