@@ -26,16 +26,30 @@ LatticeScene makeLattice(const LatticeDef& def) {
   granular::GranularSystem& system = scene.system;
   scene.material = system.addMaterial({.name = "grain", .youngsModulus = 1e7, .friction = 0.5});
   system.setMaterialPair(scene.material, scene.material, {.shear = {.law = def.shear}});
-  system.addBody({.exact = granular::HalfSpace{}, .material = scene.material});
   const granular::GrainShapeId shape = system.addGrainShape(granular::sphereShape(kRadius));
   const auto side =
       static_cast<std::int64_t>(std::ceil(std::sqrt(static_cast<double>(def.spheres) / kLayers)));
+  const std::int64_t layers = (def.spheres + side * side - 1) / (side * side);
+  const auto wall = [&](const Vector3& point, const Vector3& inward) {
+    system.addBody({.exact = granular::HalfSpace{},
+                    .material = scene.material,
+                    .pose = {point, granular::Quaternion::FromTwoVectors(Vector3::UnitY(), inward)}});
+  };
+  // Just where the outermost spheres end, so that pressed ones do not fly apart.
+  const double width = kRadius * kSpacing * static_cast<double>(side);
+  const double height = kRadius * kSpacing * static_cast<double>(layers);
+  const Vector3 low = -0.5 * kSpacing * kRadius * Vector3(1.0, 0.0, 1.0);
+  const Vector3 high = low + Vector3(width, height, width);
+  for (int axis = 0; axis < 3; ++axis) {
+    wall(low, Vector3::Unit(axis));
+    wall(high, -Vector3::Unit(axis));
+  }
   granular::Random random(3);
   for (std::int64_t i = 0; i < def.spheres; ++i) {
     const auto at = [&](std::int64_t n) {
       return kRadius * (kSpacing * static_cast<double>(n) + kShake * random.uniform(-1.0, 1.0));
     };
-    const Vector3 place(at(i % side), kRadius + at(i / (side * side)), at(i / side % side));
+    const Vector3 place(at(i % side), 0.5 * kSpacing * kRadius + at(i / (side * side)), at(i / side % side));
     const Vector3 velocity = def.speed * (random.rotation() * Vector3::UnitX());
     system.addGrain({.shape = shape,
                      .material = scene.material,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Spheres on a shaken grid that all touch their neighbours, on a floor: packed at once, at any size, where
+// Spheres on a shaken grid that touch their neighbours, in a closed box: packed at once, at any size, where
 // settling a pile would take hours.
 #pragma once
 

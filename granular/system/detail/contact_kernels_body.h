@@ -154,7 +154,7 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
   const Pack xiDot = g.V.dot(g.N);
   const Pack since = min(Pack(g.xi / xiDot), Pack(arrays.at.sinceTrial));
   const Pack slid = select(g.isNew && xiDot > 0.0, Pack(since / (1.0 + stiffnessPower<Normal>(shear))), 0.0);
-  return Vector3Of<Pack>(remembered(0), remembered(1), remembered(2)) + slid * (g.V - xiDot * g.N);
+  return Vector3Of<Pack>{remembered(0), remembered(1), remembered(2)} + slid * (g.V - xiDot * g.N);
 }
 
 /// One lane of a vector.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The stages that find contacts and work out their forces: which laws hold between which kinds of particles,
 // where two particles meet, and runs of contacts through the kernel compiled for their two laws.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -40,12 +41,19 @@ void Evaluation::makePairLaws() {
   }
 }
 
-/// Whether anything remembers: scenes without memory do not pay for it.
+/// Whether anything that is there remembers, and whether it is all grains of one material: scenes without
+/// memory, and plain ones, do not pay for what others need.
 void Evaluation::noteLaws() {
-  isUniform_ = materials_.size() == 1 && layout_.dynamicBodies == 0;
+  std::vector<bool> isThere(materials_.size(), false);
+  for (const ParticleKind& kind : layout_.kinds) isThere[kind.material] = true;
+  isUniform_ = layout_.dynamicBodies == 0 && std::count(isThere.begin(), isThere.end(), true) == 1;
   hasMemory_ = false;
-  for (const MaterialPair& pair : materialPairs_) {
-    hasMemory_ |= withShearLaw(pair.def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
+  for (std::size_t a = 0; a < materials_.size(); ++a) {
+    for (std::size_t b = 0; b < materials_.size(); ++b) {
+      if (!isThere[a] || !isThere[b]) continue;
+      hasMemory_ |= withShearLaw(materialPairs_[a * materials_.size() + b].def.shear.law,
+                                 []<class Law>(Law) { return Law::kHasMemory; });
+    }
   }
 }
 
@@ -64,7 +72,8 @@ Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_
 
 Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
   const bool ofParticles = contact.slot2 < layout_.particleCount;
-  if (isUniform_) return ruleBetween(0, 0, false, ofParticles);
+  const std::int32_t first = layout_.kinds.front().material;
+  if (isUniform_) return ruleBetween(first, first, false, ofParticles);
   const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
   const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
   const bool ofBodies = owner1.isBody != 0 && owner2.isBody != 0;
