@@ -53,10 +53,25 @@ TEST(BodySurface, OfTwoMovingBodiesPressesAsOneFoundation) {
   const double depth = 1e-3, shift = 0.3;  // the upper one stands half beside
   const BodyId upper = boxes.add({shift, kSide - depth, 0});
   const double whole = kStiffness * kSide * kSide * depth;
-  // Where a piece hangs over the edge it presses whole or not at all: a row of pieces, of 2.5 radii.
-  const double rim = 0.3 / (kSide - shift);
-  EXPECT_NEAR(vertical(boxes.system, upper), whole * (1.0 - shift), rim * whole);
+  EXPECT_NEAR(vertical(boxes.system, upper), whole * (1.0 - shift), 1e-6 * whole);
   EXPECT_NEAR(vertical(boxes.system, upper), -vertical(boxes.system, lower), 1e-9 * whole);
+}
+
+/// What hangs over carries nothing: the torque about the upper one's centre is the force times half the
+/// shift.
+TEST(BodySurface, OfAnOverhangingBodyCarriesByTheMiddleOfWhatLiesOn) {
+  for (const BodyMotion motion : {BodyMotion::Dynamic, BodyMotion::Static}) {
+    Boxes boxes;
+    boxes.add({0, 0, 0}, motion);
+    const double depth = 1e-3, shiftX = 0.37, shiftZ = -0.81;
+    const BodyId upper = boxes.add({shiftX, kSide - depth, shiftZ});
+    const Wrench wrench = boxes.system.contactWrench(upper);
+    const double force = kStiffness * (kSide - shiftX) * (kSide + shiftZ) * depth;
+    EXPECT_NEAR(wrench.force.y(), force, 1e-6 * force);
+    // At (x, z) from the centre the force (0, f, 0) turns by (-z f, 0, x f).
+    EXPECT_NEAR(wrench.torque.z(), -0.5 * shiftX * force, 1e-6 * force);
+    EXPECT_NEAR(wrench.torque.x(), 0.5 * shiftZ * force, 1e-6 * force);
+  }
 }
 
 TEST(BodySurface, FlatOnFlatPressesByTheWholeFace) {

@@ -5,56 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "bridge_fixture.h"
+#include "bridge_cubes.h"
 
 namespace bridge_test {
 namespace {
-
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kTick = 1.0 / 60.0;
-constexpr double kDensity = 1000.0;  // kg/m^3
-
-double massOfCube(double edge) {
-  return kDensity * edge * edge * edge;
-}
-
-/// Static ground below y = 0 and cubes above it, everything covered, nothing ever asleep.
-class Cubes {
- public:
-  explicit Cubes(double edge) : edge_(edge) {
-    scene.world->setGravity(vec(0, -kGravity, 0));
-    ground = &scene.body(0, scene.box(2 * edge, edge, 2 * edge), at(0, -edge, 0));
-    scene.world->coverBody(*ground);
-  }
-
-  btRigidBody& add(const Vector3& center) {
-    btRigidBody& cube = scene.body(massOfCube(edge_), scene.box(edge_ / 2, edge_ / 2, edge_ / 2),
-                                   at(center.x(), center.y(), center.z()));
-    cube.setActivationState(DISABLE_DEACTIVATION);
-    scene.world->coverBody(cube);
-    cubes.push_back(&cube);
-    return cube;
-  }
-  void run(double time) {
-    for (double t = 0.0; t < time - 0.5 * kTick; t += kTick)
-      scene.world->stepSimulation(scalar(kTick), 1, scalar(kTick));
-  }
-  /// Of the foundation between two bodies, N/m^3.
-  double stiffness(const btRigidBody& a, const btRigidBody& b) {
-    granular::GranularSystem& core = scene.world->grains();
-    const auto materialOf = [&](const btRigidBody& body) {
-      return core.bodyDef(scene.world->bodyIdOf(body)).material;
-    };
-    return core.materialPair(materialOf(a), materialOf(b)).bodyNormal.stiffness.value();
-  }
-
-  SandScene scene;
-  btRigidBody* ground = nullptr;
-  std::vector<btRigidBody*> cubes;
-
- private:
-  double edge_;
-};
 
 class Column : public testing::TestWithParam<double> {};
 
@@ -88,6 +42,33 @@ TEST(RestingDepth, IsWhatACubeSinksIntoItsLike) {
   const double depth = massOfCube(0.5) * kGravity / (stack.stiffness(lower, upper) * 0.25) / 0.5;
   EXPECT_LE(depth, bullet_bridge::LayerDef{}.restingDepth * (1.0 + 1e-6));
   EXPECT_GT(depth, 0.5 * bullet_bridge::LayerDef{}.restingDepth);  // rounded to a power of two
+}
+
+/// Bullet takes the size of a scaling for boxes, spheres and cylinders: so do surfaces that bodies meet.
+TEST(BadInput, NegativeScaleIsAMirrorImage) {
+  SandScene scene;
+  for (btCollisionShape* shape :
+       {static_cast<btCollisionShape*>(&scene.box(0.5, 0.5, 0.5)),
+        static_cast<btCollisionShape*>(&scene.shape<btCylinderShape>(vec(0.5, 0.5, 0.5)))}) {
+    shape->setLocalScaling(vec(-1, -1, -1));
+    btRigidBody& body = scene.body(1, *shape, at(0, 0, 0));
+    const granular::BodyId id = scene.world->coverBody(body, {.particleRadius = 0.1});
+    for (const Vector3& p : scene.world->grains().covering(id).positions)
+      EXPECT_LT(p.cwiseAbs().maxCoeff(), 0.5);
+    EXPECT_NEAR(granular::boundingRadius(*scene.world->grains().bodyDef(id).exact),
+                0.5 * std::sqrt(shape == scene.shapes[0].get() ? 3.0 : 2.0), 1e-5);
+    scene.world->removeRigidBody(&body);
+  }
+}
+
+TEST(BadInput, CapsuleOfNegativeRadiusIsRefused) {
+  SandScene scene;
+  auto& capsule = scene.shape<btCapsuleShape>(scalar(0.2), scalar(0.6));
+  capsule.setLocalScaling(vec(-1, -1, -1));  // Bullet itself makes its radius and margin negative
+  btRigidBody& body = scene.body(1, scene.box(1, 1, 1), at(0, 0, 0));
+  body.setCollisionShape(&capsule);
+  EXPECT_THROW(scene.world->coverBody(body, {.particleRadius = 0.1}), std::invalid_argument);
+  EXPECT_FALSE(scene.world->isCovered(body));
 }
 
 TEST(RestingDepth, MustBePositive) {

@@ -52,28 +52,101 @@ void addCut(double area, const Corner& alone, const Corner& b, const Corner& c, 
   }
 }
 
+/// What is below of a triangle of projected area `area`.
+void addTriangle(double area, const std::array<Corner, 3>& corner, Integrals& sum, double& slope) {
+  int below = 0, alone = 0;
+  for (const Corner& c : corner) below += c.depth > 0.0;
+  if (below == 0) return;
+  if (below == 3) {
+    sum.add(area, corner[0], corner[1], corner[2]);
+    return;
+  }
+  while ((corner[alone].depth > 0.0) != (below == 1)) ++alone;
+  addCut(area, corner[alone], corner[(alone + 1) % 3], corner[(alone + 2) % 3], sum, slope);
+}
+
+/// A triangle cut by four lines has at most seven corners.
+struct Polygon {
+  std::array<Corner, 8> corner;
+  int count = 0;
+  void push(const Corner& c) { corner[count++] = c; }
+};
+
+/// What of it lies where outside(corner) <= 0, a linear function.
+template <class Outside>
+Polygon cut(const Polygon& polygon, Outside outside) {
+  Polygon kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Corner &from = polygon.corner[i], &to = polygon.corner[(i + 1) % polygon.count];
+    const double a = outside(from), b = outside(to);
+    if (a <= 0.0) kept.push(from);
+    if ((a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0)) {
+      const double s = a / (a - b);
+      kept.push({from.point + s * (to.point - from.point), from.depth + s * (to.depth - from.depth)});
+    }
+  }
+  return kept;
+}
+
+/// What of a triangle is above the face.
+Polygon cutToFace(const std::array<Corner, 3>& triangle, const Face& face) {
+  Polygon polygon;
+  for (const Corner& c : triangle) polygon.push(c);
+  for (int k = 0; k < 2; ++k) {
+    for (const double sign : {-1.0, 1.0}) {
+      polygon = cut(polygon, [&](const Corner& c) {
+        return sign * face.along[k].dot(c.point - face.center) - face.half[k];
+      });
+    }
+  }
+  return polygon;
+}
+
+bool isAbove(const Face& face, const Vector3& p) {
+  return std::abs(face.along[0].dot(p - face.center)) <= face.half[0] &&
+         std::abs(face.along[1].dot(p - face.center)) <= face.half[1];
+}
+
 }  // namespace
 
+Face faceOf(const ExactBox& box, const Vector3& p) {
+  int axis = 0;
+  const Vector3 outside = p.cwiseAbs() - box.halfSize;
+  outside.maxCoeff(&axis);
+  Face face;
+  face.normal = (p[axis] < 0.0 ? -1.0 : 1.0) * Vector3::Unit(axis);
+  face.center = box.halfSize[axis] * face.normal;
+  for (int k = 0; k < 2; ++k) {
+    const int other = (axis + 1 + k) % 3;
+    face.along[k] = Vector3::Unit(other);
+    face.half[k] = box.halfSize[other];
+  }
+  return face;
+}
+
 PressedPatch pressedPatch(std::span<const SurfacePiece> pieces, const Vector3& from, double distance,
-                          const Vector3& N) {
+                          const Vector3& N, const Face* face) {
   Integrals sum;
   PressedPatch patch;
   for (const SurfacePiece& piece : pieces) {
     const double area = N.dot(piece.areaVector());
     if (area <= 0.0) continue;
     std::array<Corner, 3> corner;
-    int below = 0, alone = 0;
+    bool isWhole = true;
     for (int k = 0; k < 3; ++k) {
       corner[k] = {piece.corners[k], N.dot(piece.corners[k] - from) - distance};
-      below += corner[k].depth > 0.0;
+      isWhole &= face == nullptr || isAbove(*face, piece.corners[k]);
     }
-    if (below == 0) continue;
-    if (below == 3) {
-      sum.add(area, corner[0], corner[1], corner[2]);
+    if (isWhole) {
+      addTriangle(area, corner, sum, patch.areaSlope);
       continue;
     }
-    while ((corner[alone].depth > 0.0) != (below == 1)) ++alone;
-    addCut(area, corner[alone], corner[(alone + 1) % 3], corner[(alone + 2) % 3], sum, patch.areaSlope);
+    const Polygon rest = cutToFace(corner, *face);
+    for (int k = 2; k < rest.count; ++k) {
+      const std::array<Corner, 3> part{rest.corner[0], rest.corner[k - 1], rest.corner[k]};
+      const Vector3 across = (part[1].point - part[0].point).cross(part[2].point - part[0].point);
+      addTriangle(0.5 * N.dot(across), part, sum, patch.areaSlope);
+    }
   }
   if (!(sum.depth > 0.0 && sum.one > 0.0)) return {};
   patch.area = sum.one;

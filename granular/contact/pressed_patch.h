@@ -7,9 +7,11 @@
 // solid turns.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "granular/geometry/covering.h"
+#include "granular/geometry/exact_surface.h"
 
 namespace granular {
 
@@ -22,9 +24,23 @@ struct PressedPatch {
   Vector3 center = Vector3::Zero();  ///< of the pressure, frame of the pieces, m
 };
 
+/// A rectangle: a face of a box.
+struct Face {
+  Vector3 center = Vector3::Zero();  ///< m
+  Vector3 normal = Vector3::UnitY();
+  std::array<Vector3, 2> along = {Vector3::Zero(), Vector3::Zero()};  ///< unit, its edges
+  std::array<double, 2> half = {0.0, 0.0};                            ///< of its edges, m
+
+  double distance(const Vector3& p) const { return normal.dot(p - center); }
+};
+
+/// The face that p is farthest outside of, or least inside; in the frame of the box.
+Face faceOf(const ExactBox& box, const Vector3& p);
+
 /// distance: of the point `from` from the other surface, m, positive outside. N: unit, towards that surface,
-/// which is taken to be flat. Everything in the frame of the pieces.
+/// which is taken to be flat. Everything in the frame of the pieces. face: what of the plane there is, so
+/// that a piece over its edge presses by as much as lies on it; null: all.
 PressedPatch pressedPatch(std::span<const SurfacePiece> pieces, const Vector3& from, double distance,
-                          const Vector3& N);
+                          const Vector3& N, const Face* face = nullptr);
 
 }  // namespace granular

@@ -19,11 +19,14 @@ void addCoverCommand(CLI::App& app, int& status);
 /// answers first; throws std::runtime_error if they differ.
 void addPeersCommand(CLI::App& app, int& status);
 
+/// `plain-world [--pairs N]`: time of a world without grains over plain Bullet's, bits compared first.
+void addPlainWorldCommand(CLI::App& app, int& status);
+
 /// `restitution [--out DIR]`: figure 3 of the paper, PNG and CSV.
 void addRestitutionCommand(CLI::App& app, int& status);
 
-/// `paper-table [--scale S] [--frames A:B] [--only SCENE] [--threads N] [--state FILE] [--csv FILE]`: the five
-/// scenes beside table 1 of the paper.
+/// `paper-table [--scale S] [--frames A:B] [--only SCENE] [--threads N] [--state FILE] [--csv FILE]`: the
+/// five scenes beside table 1 of the paper.
 void addPaperTableCommand(CLI::App& app, int& status);
 
 /// `scaling [--most N] [--threads N] [--repeats N]`: time and memory a particle, by number and by threads.
@@ -36,6 +39,10 @@ void addSearchCommand(CLI::App& app, int& status);
 /// 1 if something is paid.
 void addSkipCommand(CLI::App& app, int& status);
 
+/// `stacking [--only SCENE] [--setup NAME] [--seconds T] [--full] [--out DIR]`: stacks in Bullet's solver and
+/// in ours: drift, depth, time to rest, standing, cost; table, CSV, pictures.
+void addStackingCommand(CLI::App& app, int& status);
+
 /// `surfaces [--grains N] [--csv FILE]`: grains on particles, on exact boxes and on distance fields: cost,
 /// drain rate, heap.
 void addSurfacesCommand(CLI::App& app, int& status);
@@ -44,8 +51,8 @@ void addSurfacesCommand(CLI::App& app, int& status);
 /// answers; status 1 if one fails.
 void addVerifyCommand(CLI::App& app, int& status);
 
-/// `work-precision [SCENE] [--spheres-per-side N] [--repeats N] [--out DIR]`: evaluations and run time against
-/// true error for every stepper; status 2 if the reference does not agree with itself.
+/// `work-precision [SCENE] [--spheres-per-side N] [--repeats N] [--out DIR]`: evaluations and run time
+/// against true error for every stepper; status 2 if the reference does not agree with itself.
 void addWorkPrecisionCommand(CLI::App& app, int& status);
 
 }  // namespace granular_bench

@@ -14,10 +14,12 @@ int main(int argc, char** argv) {
   granular_bench::addPeersCommand(app, status);
   granular_bench::addCoverCommand(app, status);
   granular_bench::addPaperTableCommand(app, status);
+  granular_bench::addPlainWorldCommand(app, status);
   granular_bench::addRestitutionCommand(app, status);
   granular_bench::addScalingCommand(app, status);
   granular_bench::addSearchCommand(app, status);
   granular_bench::addSkipCommand(app, status);
+  granular_bench::addStackingCommand(app, status);
   granular_bench::addSurfacesCommand(app, status);
   granular_bench::addVerifyCommand(app, status);
   granular_bench::addWorkPrecisionCommand(app, status);

@@ -141,9 +141,21 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   }
   const Matrix3& rotation = rotationOf(o);
   const std::int32_t local = layout_.rankOfSlot[contact.slot1] - owner.firstRank;
-  const double distance = particles_[contact.slot1].radius - g.xi;
+  double distance = particles_[contact.slot1].radius - g.xi;
+  Face face;
+  const SurfaceRow& surface = surfaces_[contact.slot2 - layout_.particleCount];
+  const ExactBox* box = std::get_if<ExactBox>(surface.shape);
+  if (box) {  // a box is pressed on one of its faces, as far as that goes
+    face = faceOf(*box, surface.rotation.transpose() * (center - surface.point));
+    const Matrix3 toPieces = rotation.transpose() * surface.rotation;
+    face.center = rotation.transpose() * (surface.point + surface.rotation * face.center - owners_[o].center);
+    face.normal = toPieces * face.normal;
+    for (Vector3& along : face.along) along = toPieces * along;
+    distance = face.distance(owner.particles[local].position);
+    g.N = -(rotation * face.normal);
+  }
   const PressedPatch patch = pressedPatch(owner.piecesOf(local), owner.particles[local].position, distance,
-                                          rotation.transpose() * g.N);
+                                          rotation.transpose() * g.N, box ? &face : nullptr);
   if (!(patch.area > 0.0)) return false;
   g.xi = patch.depth;
   g.share = weight * patch.area;
