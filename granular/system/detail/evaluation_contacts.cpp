@@ -148,7 +148,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   if (box) {  // a box is pressed on one of its faces, as far as that goes
     face = faceOf(*box, surface.rotation.transpose() * (center - surface.point));
     const Matrix3 toPieces = rotation.transpose() * surface.rotation;
-    face.center = rotation.transpose() * (surface.point + surface.rotation * face.center - owners_[o].center);
+    face.center = rotation.transpose() * (surface.point + surface.rotation * face.center - rowOf(o).center);
     face.normal = toPieces * face.normal;
     for (Vector3& along : face.along) along = toPieces * along;
     distance = face.distance(owner.particles[local].position);
