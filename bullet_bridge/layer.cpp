@@ -36,7 +36,10 @@ granular::SystemDef systemDef(const btDiscreteDynamicsWorld& world, const LayerD
   granular::requirePositive(def.restingDepth, "LayerDef.restingDepth", "");
   granular::require(def.drawnParticleLimit >= 0, "LayerDef.drawnParticleLimit", def.drawnParticleLimit, "",
                     ">= 0");
-  return {.gravity = fromBullet(world.getGravity()), .integrator = def.integrator, .threads = def.threads};
+  return {.gravity = fromBullet(world.getGravity()),
+          .integrator = def.integrator,
+          .sleep = def.sleep,
+          .threads = def.threads};
 }
 
 /// A plane that the program makes dynamic has no place in the core's integration: there it stands still

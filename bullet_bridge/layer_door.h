@@ -26,7 +26,8 @@ class Layer;
 
 struct LayerDef {
   granular::IntegratorDef integrator = {};
-  int threads = 1;  ///< of the core, > 0; results are the same bits for every number
+  granular::SleepDef sleep = {};  ///< of grains and covered bodies in the core, besides Bullet's own sleeping
+  int threads = 1;                ///< of the core, > 0; results are the same bits for every number
 
   /// How far a cube that stands on its like sinks into it under its own weight, in edges, > 0: this, with
   /// mass, size and gravity at the time of coverBody, decides how stiff bodies are against each other, so

@@ -59,6 +59,8 @@ void add(granular::StepReport& sum, const granular::StepReport& tick) {
   total.evaluations += sum.evaluations;
   total.listRebuilds += sum.listRebuilds;
   total.quarantined += sum.quarantined;
+  total.fellAsleep += sum.fellAsleep;
+  total.woken += sum.woken;
   if (sum.subSteps > 0) {
     total.shortestSubStep = std::min(sum.shortestSubStep, tick.shortestSubStep);
     total.longestSubStep = std::max(sum.longestSubStep, tick.longestSubStep);

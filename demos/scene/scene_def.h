@@ -21,6 +21,7 @@
 #include "granular/system/emitter.h"
 #include "granular/system/fill.h"
 #include "granular/system/grain_shape.h"
+#include "granular/system/sleep.h"
 
 namespace granular_demo {
 
@@ -329,6 +330,7 @@ struct SceneDef {
   int ticksPerFrame = 4;    ///< Bullet steps a frame
   std::uint64_t seed = 1;
   granular::IntegratorDef integrator;
+  granular::SleepDef sleep;
   std::vector<granular::MaterialDef> materials;
   std::vector<PairDef> pairs;
   std::vector<granular::GrainShapeDef> shapes;

@@ -138,6 +138,19 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
   return def;
 }
 
+granular::SleepDef readSleep(const JsonPlace& place) {
+  JsonObject object(place);
+  granular::SleepDef def;
+  def.enabled = object.boolean("enabled", true);
+  def.restTime = object.number("restTime", Range::positive(), def.restTime);
+  def.restWay = object.number("restWay", Range::positive(), def.restWay);
+  def.balance = object.number("balance", Range::positive(), def.balance);
+  def.wakeImbalance =
+      object.number("wakeImbalance", {.low = def.balance}, std::max(def.balance, def.wakeImbalance));
+  object.finish();
+  return def;
+}
+
 ContainerDef readContainer(JsonObject object) {
   ContainerDef def;
   def.box = readBox(object);
@@ -174,6 +187,7 @@ SceneDef readDocument(const Json& json, const std::filesystem::path& file) {
   scene.seed =
       static_cast<std::uint64_t>(object.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), 1));
   scene.integrator = readIntegrator(named("integrator"));
+  if (object.has("sleep")) scene.sleep = readSleep(object.at("sleep"));
   scene.materials = readMaterials(object.at("materials"));
   const std::vector<std::string> materials = namesOf(scene.materials);
   scene.pairs = readPairs(listed("pairs"), materials);

@@ -82,6 +82,7 @@ BuiltScene::BuiltScene(SceneDef def, int threads, const SavedState* state) : def
   def_.bodies = withCopies(def_);
   bullet_bridge::LayerDef layer;
   layer.integrator = def_.integrator;
+  layer.sleep = def_.sleep;
   layer.threads = threads;
   world_ = std::make_unique<bullet_bridge::GranularDynamicsWorld>(&dispatcher_, &broadphase_, &solver_,
                                                                   &configuration_, layer);

@@ -36,6 +36,14 @@ void checkIntegrator(const IntegratorDef& def) {
   require(def.trialLimit > 0, "IntegratorDef.trialLimit", def.trialLimit, "trials", "> 0");
 }
 
+void checkSleep(const SleepDef& def) {
+  requirePositive(def.restTime, "SleepDef.restTime", "s");
+  requirePositive(def.restWay, "SleepDef.restWay", "radii");
+  requirePositive(def.balance, "SleepDef.balance", "");
+  require(std::isfinite(def.wakeImbalance) && def.wakeImbalance >= def.balance, "SleepDef.wakeImbalance",
+          def.wakeImbalance, "", "finite and >= SleepDef.balance");
+}
+
 void checkPieces(const Covering& covering) {
   std::int32_t before = 0;
   for (const SurfacePiece& piece : covering.pieces) {
@@ -89,6 +97,7 @@ GranularSystem::GranularSystem(const SystemDef& def) {
   requireFinite(def.gravity, "SystemDef.gravity", "m/s^2");
   require(def.threads > 0, "SystemDef.threads", def.threads, "threads", "> 0");
   checkIntegrator(def.integrator);
+  checkSleep(def.sleep);
   impl_ = std::make_unique<Impl>(def);
 }
 GranularSystem::~GranularSystem() = default;
@@ -107,6 +116,7 @@ void GranularSystem::setMaterialPair(MaterialId a, MaterialId b, const MaterialP
   impl_->checkMaterialId(b, "MaterialId");
   checkMaterialPair(def);
   impl_->pairDefs[std::minmax(a.index, b.index)] = def;
+  impl_->wakeAll();
   impl_->layoutIsOld = true;
 }
 
@@ -149,7 +159,8 @@ GrainId GranularSystem::addGrain(const GrainDef& def) {
             .inertia = density * std::pow(def.scale, 5) * shape.unitInertia,
             .filter = def.filter,
             .generation = record.generation,
-            .alive = true};
+            .alive = true,
+            .maySleep = def.maySleep};
   const Quaternion orientation = def.pose.orientation.normalized();
   s.grainMotions[index] = {
       .pose = {def.pose.position + orientation * (def.scale * shape.principalFrame.position),
@@ -199,6 +210,7 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   record.linearFactor = def.linearFactor;
   record.angularFactor = def.angularFactor;
   record.filter = def.filter;
+  record.maySleep = def.maySleep;
   record.motion.pose = {def.pose.position, def.pose.orientation.normalized()};
   if (def.motion != BodyMotion::Static) {
     record.motion.velocity = def.velocity;
@@ -209,13 +221,15 @@ BodyId GranularSystem::addBody(const BodyDef& def) {
   s.bodies[index] = std::move(record);
   ++s.aliveBodies;
   s.layoutIsOld = true;
+  if (def.motion != BodyMotion::Dynamic) s.notePlaced(index);
   return {index, s.bodies[index].generation};
 }
 
 void GranularSystem::removeBody(BodyId id) {
   Impl& s = *impl_;
   BodyRecord& record = s.body(id);
-  record.alive = false;
+  s.wakeTouching(id.index);
+  record.alive = record.asleep = false;
   ++record.generation;
   s.freeBodies.push_back(id.index);
   std::erase_if(s.excludedPairs, [&](std::uint64_t pair) {
@@ -238,6 +252,10 @@ void GranularSystem::setBodyPairContact(BodyId a, BodyId b, bool enabled) {
   } else {
     s.excludedPairs.push_back(key);
   }
+  for (const BodyId id : {a, b}) {
+    s.wake(OwnerKind::Body, id.index);
+    if (s.bodies[id.index].motionType != BodyMotion::Dynamic) s.notePlaced(id.index);
+  }
   s.layoutIsOld = true;
 }
 
@@ -245,6 +263,7 @@ void GranularSystem::setGravity(const Vector3& gravity) {
   requireFinite(gravity, "gravity", "m/s^2");
   if (gravity == impl_->gravity) return;
   impl_->gravity = gravity;
+  impl_->wakeAll();
   impl_->surroundingsChanged();
 }
 const Vector3& GranularSystem::gravity() const {
@@ -259,6 +278,14 @@ void GranularSystem::setIntegrator(const IntegratorDef& def) {
 }
 const IntegratorDef& GranularSystem::integrator() const {
   return impl_->integrator;
+}
+void GranularSystem::setSleep(const SleepDef& def) {
+  checkSleep(def);
+  impl_->sleep = def;
+  if (!def.enabled) impl_->wakeAll();
+}
+const SleepDef& GranularSystem::sleep() const {
+  return impl_->sleep;
 }
 int GranularSystem::threads() const {
   return impl_->evaluation.executor().threads();
@@ -275,8 +302,19 @@ void GranularSystem::setBodyMotion(BodyId id, const RigidMotion& motion) {
   Impl& s = *impl_;
   BodyRecord& record = s.body(id);
   checkMotion(motion, "RigidMotion");
-  record.motion = motion;
-  record.motion.pose.orientation.normalize();
+  RigidMotion next = motion;
+  next.pose.orientation.normalize();
+  const bool isSame = next.pose.position == record.motion.pose.position &&
+                      next.pose.orientation.coeffs() == record.motion.pose.orientation.coeffs() &&
+                      next.velocity == record.motion.velocity &&
+                      next.angularVelocity == record.motion.angularVelocity;
+  if (isSame) return;
+  if (record.motionType != BodyMotion::Dynamic) {
+    s.wakeTouching(id.index);
+    s.notePlaced(id.index);
+  }
+  s.wake(OwnerKind::Body, id.index);
+  record.motion = next;
   if (s.layoutIsOld) return;
   s.surroundingsChanged();
   if (record.motionType == BodyMotion::Dynamic) s.writeOwner(s.ownerOfBody[id.index], record.motion);
@@ -293,6 +331,7 @@ void GranularSystem::setBodyLoad(BodyId id, const Wrench& load) {
   requireFinite(load.torque, "load.torque", "N m");
   if (load.force == record.load.force && load.torque == record.load.torque) return;
   record.load = load;
+  impl_->wake(OwnerKind::Body, id.index);
   impl_->surroundingsChanged();
 }
 
@@ -301,6 +340,7 @@ void GranularSystem::setBodyGravity(BodyId id, const Vector3& gravity) {
   requireFinite(gravity, "gravity", "m/s^2");
   if (record.gravity == gravity) return;
   record.gravity = gravity;
+  impl_->wake(OwnerKind::Body, id.index);
   impl_->surroundingsChanged();
 }
 
@@ -310,6 +350,7 @@ void GranularSystem::setBodyMass(BodyId id, double mass, const Vector3& principa
   if (mass == record.mass && principalInertia == record.inertia) return;
   record.mass = mass;
   record.inertia = principalInertia;
+  impl_->wake(OwnerKind::Body, id.index);
   impl_->layoutIsOld = true;
 }
 
@@ -320,6 +361,7 @@ void GranularSystem::setBodyFactors(BodyId id, const Vector3& linearFactor, cons
   if (linearFactor == record.linearFactor && angularFactor == record.angularFactor) return;
   record.linearFactor = linearFactor;
   record.angularFactor = angularFactor;
+  impl_->wake(OwnerKind::Body, id.index);
   impl_->layoutIsOld = true;
 }
 
@@ -335,7 +377,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   const detail::Layout& layout = s.evaluation.layout();
   const std::int32_t owner = s.ownerOfBody[id.index];
   const Vector3 center = s.bodies[id.index].motion.pose.position;
-  Wrench sum;
+  Wrench sum = s.frozenWrenches[id.index];
   s.evaluation.forEachContact(
       [&](const detail::Contact& contact, const detail::ContactForce& f) {
         const bool first = layout.ownerOfSlot[contact.slot1] == owner;
@@ -374,7 +416,8 @@ BodyDef GranularSystem::bodyDef(BodyId id) const {
           .angularVelocity = record.motion.angularVelocity,
           .linearFactor = record.linearFactor,
           .angularFactor = record.angularFactor,
-          .filter = record.filter};
+          .filter = record.filter,
+          .maySleep = record.maySleep};
 }
 
 Wrench GranularSystem::bodyLoad(BodyId id) const {
@@ -389,6 +432,38 @@ bool GranularSystem::bodyPairContact(BodyId a, BodyId b) const {
   const std::vector<std::uint64_t>& excluded = impl_->excludedPairs;
   return std::find(excluded.begin(), excluded.end(), MeetingRules::pairKey(a.index, b.index)) ==
          excluded.end();
+}
+
+bool GranularSystem::isAwake(GrainId id) const {
+  impl_->grain(id);
+  return impl_->isAwake(OwnerKind::Grain, id.index);
+}
+bool GranularSystem::isAwake(BodyId id) const {
+  impl_->body(id);
+  return impl_->isAwake(OwnerKind::Body, id.index);
+}
+void GranularSystem::wake(GrainId id) {
+  impl_->grain(id);
+  impl_->wake(OwnerKind::Grain, id.index);
+}
+void GranularSystem::wake(BodyId id) {
+  impl_->body(id);
+  impl_->wake(OwnerKind::Body, id.index);
+}
+void GranularSystem::wakeAll() {
+  impl_->wakeAll();
+}
+void GranularSystem::wakeRegion(const Box& box) {
+  const auto isInside = [&](const RigidMotion& motion) {
+    const Vector3& p = motion.pose.position;
+    return (p.array() >= box.lower.array()).all() && (p.array() <= box.upper.array()).all();
+  };
+  for (std::int32_t g = 0; g < static_cast<std::int32_t>(impl_->grains.size()); ++g) {
+    if (isInside(impl_->grainMotions[g])) impl_->wake(OwnerKind::Grain, g);
+  }
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(impl_->bodies.size()); ++b) {
+    if (isInside(impl_->bodies[b].motion)) impl_->wake(OwnerKind::Body, b);
+  }
 }
 
 std::int32_t GranularSystem::grainCount() const {
@@ -428,6 +503,7 @@ void GranularSystem::setGrainMotion(GrainId id, const RigidMotion& motion) {
   Impl& s = *impl_;
   s.grain(id);
   checkMotion(motion, "RigidMotion");
+  s.wake(OwnerKind::Grain, id.index);
   RigidMotion& own = s.grainMotions[id.index];
   own = motion;
   own.pose.orientation.normalize();
@@ -505,10 +581,21 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
         view.overlap = f.overlap;
         contacts.push_back(view);
       });
+  if (impl_->evaluation.layout().sleeperCount() > 0) impl_->addFrozen(contacts);
 }
 
 std::vector<RememberedContact> GranularSystem::contactMemory() const {
-  return impl_->givenMemory ? *impl_->givenMemory : impl_->evaluation.exportMemory(impl_->y);
+  const Impl& s = *impl_;
+  if (s.givenMemory) return *s.givenMemory;
+  std::vector<RememberedContact> memory = s.evaluation.exportMemory(s.y);
+  if (s.frozen.empty()) return memory;
+  std::erase_if(memory, [&](const RememberedContact& c) {  // frozen since the last evaluation
+    return !s.isAwake(c.kind[0], c.index[0]) && !s.isAwake(c.kind[1], c.index[1]);
+  });
+  for (const detail::FrozenContact& contact : s.frozen) {
+    if (contact.remembers) memory.push_back(contact.memory);
+  }
+  return memory;
 }
 
 void GranularSystem::setContactMemory(const std::vector<RememberedContact>& memory) {
@@ -516,6 +603,7 @@ void GranularSystem::setContactMemory(const std::vector<RememberedContact>& memo
     requireFinite(contact.displacement, "RememberedContact.displacement", "m");
     requireNotNegative(contact.stiffness, "RememberedContact.stiffness", "N/m");
   }
+  impl_->wakeAll();
   impl_->givenMemory = memory;
   impl_->layoutIsOld = true;
 }

@@ -24,6 +24,7 @@
 #include "granular/geometry/covering.h"
 #include "granular/geometry/exact_surface.h"
 #include "granular/system/grain_shape.h"
+#include "granular/system/sleep.h"
 #include "granular/system/step_report.h"
 
 namespace granular {
@@ -45,6 +46,7 @@ struct BodyId {
 struct SystemDef {
   Vector3 gravity = {0.0, -9.81, 0.0};  ///< m/s^2
   IntegratorDef integrator = {};
+  SleepDef sleep = {};
   int threads = 1;  ///< > 0; results are the same bits for every number
 };
 
@@ -62,6 +64,7 @@ struct GrainDef {
   Vector3 angularVelocity = Vector3::Zero();  ///< rad/s, world
   double scale = 1.0;                         ///< all lengths of the shape times this, > 0
   ContactFilter filter = {};
+  bool maySleep = true;  ///< where SleepDef::enabled
 };
 
 enum class BodyMotion : std::uint8_t {
@@ -96,6 +99,7 @@ struct BodyDef {
   Vector3 linearFactor = Vector3::Ones();     ///< multiplies the acceleration, world axes; 0 locks an axis
   Vector3 angularFactor = Vector3::Ones();    ///< multiplies the torque, world axes
   ContactFilter filter = {};
+  bool maySleep = true;  ///< where SleepDef::enabled; dynamic bodies
 };
 
 enum class OwnerKind : std::uint8_t { Grain, Body };
@@ -155,6 +159,9 @@ class GranularSystem {
   /// Holds for the steps to come.
   void setIntegrator(const IntegratorDef& def);
   const IntegratorDef& integrator() const;
+  /// Holds for the steps to come; switching sleep off wakes everything.
+  void setSleep(const SleepDef& def);
+  const SleepDef& sleep() const;
   int threads() const;
 
   // ---- stepping
@@ -189,6 +196,16 @@ class GranularSystem {
   Vector3 bodyGravity(BodyId id) const;
   /// Whether setBodyPairContact leaves the two to each other.
   bool bodyPairContact(BodyId a, BodyId b) const;
+
+  // ---- sleep. Moving, loading or removing something, and changing gravity or materials, wakes what feels
+  // it.
+  bool isAwake(GrainId id) const;
+  bool isAwake(BodyId id) const;  ///< static and kinematic bodies never are: they feel nothing
+  void wake(GrainId id);
+  void wake(BodyId id);
+  void wakeAll();
+  /// Grains and bodies whose centres are in the box.
+  void wakeRegion(const Box& box);
 
   // ---- grains: reading (spans stay valid until the next call that adds or steps)
   std::int32_t grainCount() const;     ///< living grains

@@ -43,6 +43,9 @@ std::string describe(StepFlag set) {
       {StepFlag::GrainsQuarantined, "Grains whose state was no longer finite were taken out of the scene. "},
       {StepFlag::BodiesStopped,
        "A body's state was no longer finite: it was put back to where the step found it, at rest. "},
+      {StepFlag::FixedSubStepTooLong,
+       "A fixed sub-step was longer than a quarter of the shortest contact time: lower "
+       "IntegratorDef.fixedSubStep. "},
       {StepFlag::BadStep, "dt was not finite or not > 0: nothing was done. "},
   };
   std::string text;

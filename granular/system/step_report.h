@@ -34,6 +34,9 @@ enum class StepFlag : std::uint32_t {
   GrainsQuarantined = 1u << 3,       ///< a grain's state was not finite: it was taken out of the scene
   BodiesStopped = 1u << 4,  ///< a body's state was not finite: it stands where the step found it, at rest
   BadStep = 1u << 5,        ///< dt was not finite or not > 0: nothing was done
+  /// A fixed sub-step was longer than a quarter of a contact time, near which packings begin to gain energy:
+  /// lower IntegratorDef::fixedSubStep
+  FixedSubStepTooLong = 1u << 6,
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) {
   return static_cast<StepFlag>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -67,10 +70,13 @@ struct StepReport {
   double longestSubStep = 0.0;  ///< s
 
   // The state at the end of the step.
-  std::int64_t candidates = 0;  ///< pairs in the list
-  std::int64_t contacts = 0;    ///< pairs that overlap
-  double largestOverlap = 0.0;  ///< in smaller radii of the pair, worst over every sub-step of this step
-  double meanOverlap = 0.0;     ///< in smaller radii of the pair, at the end of the step
+  std::int64_t candidates = 0;      ///< pairs in the list
+  std::int64_t contacts = 0;        ///< pairs that overlap, frozen ones too
+  std::int64_t frozenContacts = 0;  ///< those between sleepers, or of a sleeper with something held
+  std::int64_t awakeGrains = 0;
+  std::int64_t awakeBodies = 0;  ///< dynamic ones
+  double largestOverlap = 0.0;   ///< in smaller radii of the pair, worst over every sub-step of this step
+  double meanOverlap = 0.0;      ///< in smaller radii of the pair, at the end of the step
   Energy energy;
   Vector3 momentum = Vector3::Zero();         ///< of grains and dynamic bodies, kg m/s
   Vector3 angularMomentum = Vector3::Zero();  ///< about the world's origin, kg m^2/s
@@ -80,6 +86,12 @@ struct StepReport {
   double workByLoads = 0.0;        ///< done by the host's forces and torques on dynamic bodies
   double dissipated = 0.0;         ///< turned into heat by contact laws
 
+  /// Momentum that sleepers have taken up without moving, since the system was made, N s: the time integral
+  /// of the net force on them, and what was left of their own when they fell asleep.
+  Vector3 heldImpulse = Vector3::Zero();
+
+  std::int64_t fellAsleep = 0;   ///< grains and bodies, in this step
+  std::int64_t woken = 0;        ///< the same
   std::int64_t quarantined = 0;  ///< grains taken out because their state was not finite, in this step
 
   std::array<double, kStageCount> stageSeconds{};  ///< wall time, s

@@ -76,6 +76,12 @@ void Evaluation::placeFixed() {
     rowOf(o).angularVelocity.setZero();
     placeOwner(o, surroundings_.fixed[b].pose.position, surroundings_.fixed[b].pose.orientation);
   }
+  for (std::int32_t s = 0; s < layout_.sleeperCount(); ++s) {
+    const std::int32_t o = layout_.firstSleeper + s;
+    rowOf(o).velocity.setZero();
+    rowOf(o).angularVelocity.setZero();
+    placeOwner(o, surroundings_.asleep[s].position, surroundings_.asleep[s].orientation);
+  }
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
     if (layout_.ownerOfSurface[s] >= layout_.movingCount()) placeSurface(s);
   }

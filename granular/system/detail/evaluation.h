@@ -29,6 +29,7 @@ struct Surroundings {
   std::vector<Wrench> bodyLoad;        ///< [dynamic body]
   std::vector<RigidMotion> kinematic;  ///< [kinematic body], at time 0 of the step
   std::vector<RigidMotion> fixed;      ///< [static body]
+  std::vector<Pose> asleep;            ///< [sleeper]: constant while the layout is
 };
 
 /// What step control wants to know of an evaluation.
@@ -46,12 +47,13 @@ class Evaluation {
 
   /// Takes a new layout. Everything kept is thrown away.
   void reset(const std::vector<MaterialPair>& materialPairs, const std::vector<MaterialDef>& materials);
-  /// Static bodies stand elsewhere than before.
+  /// Static bodies stand elsewhere than before, or sleepers are new.
   void placeFixed();
 
   Layout& layout() { return layout_; }
   const Layout& layout() const { return layout_; }
   Surroundings& surroundings() { return surroundings_; }
+  const Surroundings& surroundings() const { return surroundings_; }
   const Executor& executor() const { return executor_; }
 
   /// Without the memory of contacts, which comes last.
@@ -80,6 +82,16 @@ class Evaluation {
 
   /// Time over which an error of velocity counts as one of position: the shortest contact time at 1 m/s, s.
   double referenceContactTime() const;
+
+  // Where things were at the last evaluation: also those that do not move.
+  const Vector3& center(std::int32_t owner) const { return rowOf(owner).center; }
+  const Matrix3& rotation(std::int32_t body) const { return rotationOf(body); }
+  std::span<const ParticleRow> particlesOf(const Owner& owner) const {
+    return std::span(particles_).subspan(owner.firstSlot, owner.particles.size());
+  }
+  std::span<const SurfaceRow> surfaces() const { return surfaces_; }
+  /// Who touches whom, and what of it is remembered at the accepted state y. Returns whether anything is.
+  bool describe(const Contact& contact, const std::vector<double>& y, RememberedContact& description) const;
 
   // What the last evaluation found.
   const EvaluationSummary& summary() const { return summary_; }
@@ -151,6 +163,8 @@ class Evaluation {
                       const double* y, double* rate, Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
+  RememberedContact endsOf(std::int32_t rank1, std::int32_t rank2) const;
+  RememberedContact remembered(std::int32_t m, const std::vector<double>& y) const;
   bool foundationGeometry(const Contact& contact, const Vector3& center, ContactGeometry& geometry) const;
 
   Layout layout_;

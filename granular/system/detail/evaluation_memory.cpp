@@ -2,7 +2,6 @@
 // Memory of contacts (Bell 2005, eq. 19): which contacts remember, from sub-step to sub-step, from list to
 // list and from layout to layout.
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 #include "granular/contact/law_list.h"
@@ -11,22 +10,31 @@
 
 namespace granular::detail {
 
+RememberedContact Evaluation::endsOf(std::int32_t rank1, std::int32_t rank2) const {
+  RememberedContact contact;
+  const std::int32_t ranks[2] = {rank1, rank2};
+  for (int side = 0; side < 2; ++side) {
+    const std::int32_t slot = layout_.slotOfRank[ranks[side]];
+    const Owner& owner = layout_.owners[layout_.ownerOfSlot[slot]];
+    contact.kind[side] = owner.kind;
+    contact.index[side] = owner.index;
+    contact.local[side] = slot < layout_.particleCount ? ranks[side] - owner.firstRank : -1;
+  }
+  return contact;
+}
+
+RememberedContact Evaluation::remembered(std::int32_t m, const std::vector<double>& y) const {
+  RememberedContact contact = endsOf(memory_[m].rank1, memory_[m].rank2);
+  contact.displacement = Eigen::Map<const Vector3>(y.data() + stateSize() + 3 * m);
+  contact.stiffness = memory_[m].stiffness;
+  contact.slides = memory_[m].slides;
+  return contact;
+}
+
 std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double>& y) const {
   std::vector<RememberedContact> memory;
-  for (std::size_t m = 0; m < memory_.size(); ++m) {
-    RememberedContact contact;
-    const std::int32_t ranks[2] = {memory_[m].rank1, memory_[m].rank2};
-    for (int side = 0; side < 2; ++side) {
-      const std::int32_t slot = layout_.slotOfRank[ranks[side]];
-      const Owner& owner = layout_.owners[layout_.ownerOfSlot[slot]];
-      contact.kind[side] = owner.kind;
-      contact.index[side] = owner.index;
-      contact.local[side] = slot < layout_.particleCount ? ranks[side] - owner.firstRank : -1;
-    }
-    contact.displacement = Eigen::Map<const Vector3>(y.data() + stateSize() + 3 * m);
-    contact.stiffness = memory_[m].stiffness;
-    contact.slides = memory_[m].slides;
-    memory.push_back(contact);
+  for (std::int32_t m = 0; m < static_cast<std::int32_t>(memory_.size()); ++m) {
+    memory.push_back(remembered(m, y));
   }
   // Entries lie as slots do, which depends on the past.
   std::vector<std::size_t> order(memory.size());
@@ -39,20 +47,31 @@ std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double
   return sorted;
 }
 
+bool Evaluation::describe(const Contact& contact, const std::vector<double>& y,
+                          RememberedContact& description) const {
+  const std::int32_t entry = hasMemory_ ? memoryOfCandidate_[contact.candidate] : -1;
+  description = entry >= 0 ? remembered(entry, y)
+                           : endsOf(layout_.rankOfSlot[contact.slot1], layout_.rankOfSlot[contact.slot2]);
+  return entry >= 0;
+}
+
 void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std::vector<double>& y) {
   if (!hasMemory_ || memory.empty()) return;
-  std::map<std::pair<OwnerKind, std::int32_t>, std::int32_t> ownerNow;
+  std::vector<std::int32_t> ownerNow[2];  // of grains, of bodies, by index
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
-    ownerNow[{layout_.owners[o].kind, layout_.owners[o].index}] = o;
+    const auto index = static_cast<std::size_t>(layout_.owners[o].index);
+    std::vector<std::int32_t>& ownerOf = ownerNow[static_cast<int>(layout_.owners[o].kind)];
+    if (ownerOf.size() <= index) ownerOf.resize(index + 1, -1);
+    ownerOf[index] = o;
   }
   const auto rankNow = [&](OwnerKind kind, std::int32_t index, std::int32_t local) -> std::int32_t {
-    const auto found = ownerNow.find({kind, index});
-    if (found == ownerNow.end()) return -1;
-    const Owner& owner = layout_.owners[found->second];
+    const std::vector<std::int32_t>& ownerOf = ownerNow[static_cast<int>(kind)];
+    if (index < 0 || index >= std::ssize(ownerOf) || ownerOf[index] < 0) return -1;
+    const std::int32_t o = ownerOf[index];
+    const Owner& owner = layout_.owners[o];
     if (local >= 0)
       return local < static_cast<std::int32_t>(owner.particles.size()) ? owner.firstRank + local : -1;
-    const auto surface =
-        std::find(layout_.ownerOfSurface.begin(), layout_.ownerOfSurface.end(), found->second);
+    const auto surface = std::find(layout_.ownerOfSurface.begin(), layout_.ownerOfSurface.end(), o);
     if (surface == layout_.ownerOfSurface.end()) return -1;
     return layout_.particleCount + static_cast<std::int32_t>(surface - layout_.ownerOfSurface.begin());
   };

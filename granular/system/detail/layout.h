@@ -3,10 +3,11 @@
 // removed or changes its kind; everything here is constant while time goes on, but the slots, which follow
 // the cells.
 //
-// Numbering. Owners: dynamic grains, dynamic bodies, kinematic bodies, static bodies; the first two are in
-// the integrator's state. Rank: a particle's place in the order of owners and local indices; sums run in it.
-// Slot: where its row lies in memory; dynamic owners are kept in cell order. Patch: a grain, or 64
-// neighbouring particles of a moving body: what one wrench is summed for.
+// Numbering. Owners: awake grains, awake dynamic bodies, kinematic bodies, static bodies, sleeping grains,
+// sleeping bodies; the first two, "dynamic" below, are in the integrator's state. Rank: a particle's place in
+// the order of owners and local indices; sums run in it. Slot: where its row lies in memory; dynamic owners
+// are kept in cell order. Patch: a grain, or 64 neighbouring particles of a moving body: what one wrench is
+// summed for.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +33,7 @@ struct Owner {
   Pose exactPose;                            ///< of its frame in the body frame
   ExactUse exactUse = ExactUse::Everything;
   double scale = 1.0;
-  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic
+  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic or asleep
   Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
   Vector3 inverseInertia = Vector3::Zero();
   bool isotropic = false;
@@ -88,9 +89,11 @@ struct Layout {
 
   std::vector<Owner> owners;
   std::int32_t dynamicGrains = 0, dynamicBodies = 0, kinematicBodies = 0;
+  std::int32_t firstSleeper = 0, sleepingGrains = 0;
   std::int32_t dynamicCount() const { return dynamicGrains + dynamicBodies; }
   std::int32_t movingCount() const { return dynamicCount() + kinematicBodies; }
   std::int32_t movingBodies() const { return dynamicBodies + kinematicBodies; }
+  std::int32_t sleeperCount() const { return static_cast<std::int32_t>(owners.size()) - firstSleeper; }
 
   std::int32_t particleCount = 0, dynamicParticles = 0, movingParticles = 0, patchCount = 0;
   double smallestRadius = 0.0, largestRadius = 0.0;

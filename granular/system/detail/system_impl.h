@@ -15,6 +15,7 @@
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/grain_equations.h"
 #include "granular/system/detail/layout.h"
+#include "granular/system/detail/sleepers.h"
 #include "granular/system/granular_system.h"
 
 namespace granular {
@@ -30,6 +31,7 @@ struct GrainRecord {
   ContactFilter filter;
   std::uint32_t generation = 0;
   bool alive = false;
+  bool maySleep = true, asleep = false;
 };
 
 struct BodyRecord {
@@ -52,6 +54,7 @@ struct BodyRecord {
   RigidMotion motion;
   std::uint32_t generation = 0;
   bool alive = false;
+  bool maySleep = true, asleep = false;
 };
 
 }  // namespace detail
@@ -59,7 +62,7 @@ struct BodyRecord {
 class GranularSystem::Impl {
  public:
   explicit Impl(const SystemDef& def)
-      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads) {
+      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads), sleep(def.sleep) {
     setStepper();
   }
 
@@ -103,6 +106,22 @@ class GranularSystem::Impl {
   bool startIsCurrent = false;             // the stepper's first stage is that of the present state,
   detail::EvaluationSummary startSummary;  // and this is what it saw
 
+  // ---- sleep
+  SleepDef sleep;
+  std::vector<detail::FrozenContact> frozen;  // in the order in which they were frozen
+  detail::FrozenTotals frozenTotals;
+  detail::SleeperLoads sleeperLoads;
+  std::vector<detail::Rest> restOfGrain, restOfBody;  // by index
+  std::vector<std::optional<Pose>> guardedFrom;       // by BodyId::index: as in wakeNearMoving
+  std::vector<std::int32_t> placedBodies;             // by hand since the last sub-step, not dynamic ones
+  std::vector<std::pair<std::int32_t, std::int32_t>> frozenEnds;  // owners of each frozen contact
+  std::vector<Wrench> frozenWrenches;                             // on bodies, by BodyId::index
+  double partStart = 0.0;                  // simulated time when the present integrate() began, s
+  double clock = 0.0;                      // simulated time when sleepers were last looked at, s
+  double nextInspection = 0.0;             // s
+  Vector3 heldImpulse = Vector3::Zero();   // N s
+  std::int64_t fellAsleep = 0, woken = 0;  // since the step began
+
   // ---- look-ups that check
   const detail::GrainRecord& grain(GrainId id) const;
   detail::BodyRecord& body(BodyId id);
@@ -112,6 +131,8 @@ class GranularSystem::Impl {
   // ---- stages of a step
   void prepare();
   void makeLayout();
+  std::int32_t addGrains(bool asleep);
+  std::int32_t addBodies(BodyMotion type, bool asleep);
   std::vector<MaterialPair> combineAllMaterials() const;
   void loadSurroundings();
   void loadState();
@@ -122,12 +143,34 @@ class GranularSystem::Impl {
   Trial planTrial(double dt, double remaining, const StepReport& report);
   bool isResultFinite();
   double scaledError();
+  bool isTooLong(const Trial& trial) const;
   bool judge(const Trial& trial, double scaledError);
   void acceptTrial(const Trial& trial, bool isLast, StepReport& report);
   void storeState(double dt);
   void quarantineNonFinite(StepReport& report);
   void removeGrain(std::int32_t index);
   void measure(StepReport& report);
+
+  // ---- sleep (system_sleep.cpp)
+  bool isAwake(OwnerKind kind, std::int32_t index) const;
+  void wake(OwnerKind kind, std::int32_t index);
+  void wakeAll();
+  void wakeTouching(std::int32_t body);
+  void notePlaced(std::int32_t body);
+  std::vector<RememberedContact> memoryOfAwake();
+  void loadSleepers();
+  void sumFrozen();
+  bool sleepOrWake(double now);
+  bool wakeUnbalanced(double passed);
+  bool wakeNearMoving();
+  bool movesUnfelt(std::int32_t o) const;
+  bool fallAsleep();
+  std::vector<char> findQuiet();
+  void keepAwakeNearMoving(std::vector<char>& quiet) const;
+  void markNear(std::int32_t body, std::int32_t first, std::int32_t last, std::vector<char>& near) const;
+  void freeze(const std::vector<char>& quiet);
+  void storeSleepers(double dt);
+  void addFrozen(std::vector<ContactView>& contacts) const;
 
   void setStepper();
   void evaluateNow(double t);

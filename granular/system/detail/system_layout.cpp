@@ -43,14 +43,17 @@ void GranularSystem::Impl::setStepper() {
 
 void GranularSystem::Impl::prepare() {
   if (!layoutIsOld) return;
-  const std::vector<RememberedContact> memory = givenMemory ? *givenMemory : evaluation.exportMemory(y);
+  std::vector<RememberedContact> memory = memoryOfAwake();
+  if (givenMemory) memory = *givenMemory;
   givenMemory.reset();
   makeLayout();
   loadSurroundings();
+  loadSleepers();
   evaluation.reset(combineAllMaterials(), materials);
   contactTimeAtReference = evaluation.referenceContactTime();
   loadState();
   evaluation.importMemory(memory, y);
+  sumFrozen();
   layoutIsOld = false;
   startIsCurrent = false;
 }
@@ -61,16 +64,16 @@ void GranularSystem::Impl::surroundingsChanged() {
   startIsCurrent = false;
 }
 
-void GranularSystem::Impl::makeLayout() {
+/// Puts grains that are awake, or those that are not, into the layout. Returns how many.
+std::int32_t GranularSystem::Impl::addGrains(bool asleep) {
   detail::Layout& layout = evaluation.layout();
-  layout = {};
-  ownerOfGrain.assign(grains.size(), -1);
-  ownerOfBody.assign(bodies.size(), -1);
+  const std::size_t before = layout.owners.size();
   for (std::int32_t g = 0; g < static_cast<std::int32_t>(grains.size()); ++g) {
     const GrainRecord& record = grains[g];
-    if (!record.alive) continue;
+    if (!record.alive || record.asleep != asleep) continue;
     const GrainShape& shape = shapes[record.shape.index];
-    detail::Owner owner;
+    ownerOfGrain[g] = static_cast<std::int32_t>(layout.owners.size());
+    detail::Owner& owner = layout.owners.emplace_back();
     owner.kind = OwnerKind::Grain;
     owner.index = g;
     owner.particles = shape.particles;
@@ -83,43 +86,56 @@ void GranularSystem::Impl::makeLayout() {
     owner.reach = record.scale * shape.boundingRadius;
     owner.material = record.material.index;
     owner.filter = record.filter;
-    ownerOfGrain[g] = static_cast<std::int32_t>(layout.owners.size());
-    layout.owners.push_back(owner);
   }
+  return static_cast<std::int32_t>(layout.owners.size() - before);
+}
+
+/// The same for bodies that move in this way.
+std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
+  detail::Layout& layout = evaluation.layout();
+  const std::size_t before = layout.owners.size();
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(bodies.size()); ++b) {
+    const BodyRecord& record = bodies[b];
+    if (!record.alive || record.motionType != type || record.asleep != asleep) continue;
+    ownerOfBody[b] = static_cast<std::int32_t>(layout.owners.size());
+    detail::Owner& owner = layout.owners.emplace_back();
+    owner.kind = OwnerKind::Body;
+    owner.index = b;
+    owner.particles = record.particles;
+    owner.pieces = record.covering.pieces;
+    owner.firstPiece = record.firstPiece;
+    if (record.exact) owner.exact = &*record.exact;
+    owner.exactPose = record.exactPose;
+    owner.exactUse = record.exactUse;
+    owner.reach = record.reach;
+    owner.material = record.material.index;
+    owner.filter = record.filter;
+    if (type != BodyMotion::Dynamic) continue;
+    owner.inverseMass = 1.0 / record.mass;
+    owner.inertia = record.inertia;
+    owner.inverseInertia = record.inertia.cwiseInverse();
+    owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
+    owner.linearFactor = record.linearFactor;
+    owner.angularFactor = record.angularFactor;
+    owner.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
+    owner.isLocked = owner.freeAxes != Vector3::Ones();
+  }
+  return static_cast<std::int32_t>(layout.owners.size() - before);
+}
+
+void GranularSystem::Impl::makeLayout() {
+  detail::Layout& layout = evaluation.layout();
+  layout = {};
+  ownerOfGrain.assign(grains.size(), -1);
+  ownerOfBody.assign(bodies.size(), -1);
+  addGrains(false);
   layout.dynamicGrains = static_cast<std::int32_t>(layout.owners.size());
-  for (const BodyMotion type : {BodyMotion::Dynamic, BodyMotion::Kinematic, BodyMotion::Static}) {
-    for (std::int32_t b = 0; b < static_cast<std::int32_t>(bodies.size()); ++b) {
-      const BodyRecord& record = bodies[b];
-      if (!record.alive || record.motionType != type) continue;
-      detail::Owner owner;
-      owner.kind = OwnerKind::Body;
-      owner.index = b;
-      owner.particles = record.particles;
-      owner.pieces = record.covering.pieces;
-      owner.firstPiece = record.firstPiece;
-      if (record.exact) owner.exact = &*record.exact;
-      owner.exactPose = record.exactPose;
-      owner.exactUse = record.exactUse;
-      owner.reach = record.reach;
-      owner.material = record.material.index;
-      owner.filter = record.filter;
-      if (type == BodyMotion::Dynamic) {
-        owner.inverseMass = 1.0 / record.mass;
-        owner.inertia = record.inertia;
-        owner.inverseInertia = record.inertia.cwiseInverse();
-        owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
-        owner.linearFactor = record.linearFactor;
-        owner.angularFactor = record.angularFactor;
-        owner.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
-        owner.isLocked = owner.freeAxes != Vector3::Ones();
-        ++layout.dynamicBodies;
-      } else if (type == BodyMotion::Kinematic) {
-        ++layout.kinematicBodies;
-      }
-      ownerOfBody[b] = static_cast<std::int32_t>(layout.owners.size());
-      layout.owners.push_back(owner);
-    }
-  }
+  layout.dynamicBodies = addBodies(BodyMotion::Dynamic, false);
+  layout.kinematicBodies = addBodies(BodyMotion::Kinematic, false);
+  addBodies(BodyMotion::Static, false);
+  layout.firstSleeper = static_cast<std::int32_t>(layout.owners.size());
+  layout.sleepingGrains = addGrains(true);
+  addBodies(BodyMotion::Dynamic, true);
   std::vector<std::uint64_t> excludedOwners;
   for (const std::uint64_t pair : excludedPairs) {
     const std::int32_t a = ownerOfBody[pair >> 32], b = ownerOfBody[pair & 0xffffffffu];
@@ -149,7 +165,7 @@ void GranularSystem::Impl::loadSurroundings() {
   s.bodyLoad.clear();
   s.kinematic.clear();
   s.fixed.clear();
-  for (std::int32_t o = layout.dynamicGrains; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
+  for (std::int32_t o = layout.dynamicGrains; o < layout.firstSleeper; ++o) {
     const BodyRecord& record = bodies[layout.owners[o].index];
     if (record.motionType == BodyMotion::Dynamic) {
       s.bodyGravity.push_back(record.gravity.value_or(gravity));

@@ -63,6 +63,7 @@ void GranularSystem::Impl::storeState(double dt) {
     std::fill_n(tally, state::kTallySize, 0.0);
     if (record.motionType == BodyMotion::Kinematic) record.motion = advanced(record.motion, dt);
   }
+  storeSleepers(dt);
   heat += y[evaluation.heatAt()];
   y[evaluation.heatAt()] = 0.0;
   loadSurroundings();
@@ -78,9 +79,11 @@ StepReport GranularSystem::Impl::step(double dt) {
   evaluation.stageSeconds.fill(0.0);
   const std::int64_t evaluationsBefore = evaluation.evaluations, rebuildsBefore = evaluation.listRebuilds;
   for (BodyRecord& record : bodies) record.impulse = {};
+  fellAsleep = woken = 0;
 
   for (double done = 0.0; done < dt;) {
-    prepare();  // only when something was added, removed or moved by hand
+    prepare();  // only when something was added, removed or moved by hand, woke or fell asleep
+    partStart = time + done;
     const double part = integrate(dt - done, report);  // sub-steps                 sec. 3.4
     storeState(part);
     quarantineNonFinite(report);  // one bad grain must not poison the pile
@@ -102,8 +105,14 @@ void GranularSystem::Impl::measure(StepReport& report) {
   const detail::EvaluationSummary& seen = startSummary;
   report.time = time;
   report.candidates = evaluation.candidateCount();
-  report.contacts = seen.contacts;
-  report.largestOverlap = std::max(report.largestOverlap, seen.largestOverlap);
+  report.frozenContacts = std::ssize(frozen);
+  report.contacts = seen.contacts + report.frozenContacts;
+  report.largestOverlap = std::max({report.largestOverlap, seen.largestOverlap, frozenTotals.largestOverlap});
+  report.awakeGrains = layout.dynamicGrains;
+  report.awakeBodies = layout.dynamicBodies;
+  report.fellAsleep = fellAsleep;
+  report.woken = woken;
+  report.heldImpulse = heldImpulse;
   if (report.largestOverlap > 1.0) report.flags = report.flags | StepFlag::DeepOverlap;
 
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
@@ -121,14 +130,14 @@ void GranularSystem::Impl::measure(StepReport& report) {
     report.momentum += mass * velocity;
     report.angularMomentum += mass * position.cross(velocity) + angularMomentum;
   }
-  double overlapSum = 0.0;
-  evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& force) {
-        report.energy.elastic += evaluation.elasticEnergy(contact, force);
-        overlapSum += evaluation.relativeOverlap(contact, force.overlap);
-      });
-  report.energy.elastic += evaluation.memoryEnergy();
-  if (seen.contacts > 0) report.meanOverlap = overlapSum / static_cast<double>(seen.contacts);
+  double overlapSum = frozenTotals.overlapSum;
+  evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& force) {
+    report.energy.elastic += evaluation.elasticEnergy(contact, force);
+    overlapSum += evaluation.relativeOverlap(contact, force.overlap);
+  });
+  report.energy.elastic += evaluation.memoryEnergy() + frozenTotals.elastic;
+  report.energy.potential += frozenTotals.potential;
+  if (report.contacts > 0) report.meanOverlap = overlapSum / static_cast<double>(report.contacts);
   report.workByMovedBodies = workByMoved;
   report.workByLoads = workByLoads;
   report.dissipated = heat + y[evaluation.heatAt()];
@@ -136,7 +145,7 @@ void GranularSystem::Impl::measure(StepReport& report) {
 }
 
 void GranularSystem::Impl::removeGrain(std::int32_t index) {
-  grains[index].alive = false;
+  grains[index].alive = grains[index].asleep = false;
   ++grains[index].generation;
   freeGrains.push_back(index);
   --aliveGrains;

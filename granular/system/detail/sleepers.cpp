@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "granular/system/detail/sleepers.h"
+
+#include <numeric>
+
+namespace granular::detail {
+namespace {
+
+/// The sleeper's number, or -1 for another owner.
+std::int32_t sleeperOf(const Layout& layout, std::int32_t owner) {
+  return owner >= layout.firstSleeper ? owner - layout.firstSleeper : -1;
+}
+
+Vector3 netForceOn(const Owner& owner, const SleeperLoad& load) {
+  return owner.linearFactor.cwiseProduct(load.force + load.awakeForce) + load.hostLoad.force;
+}
+Vector3 netTorqueOn(const Owner& owner, const SleeperLoad& load) {
+  return owner.angularFactor.cwiseProduct(load.torque + load.awakeTorque) + load.hostLoad.torque;
+}
+
+}  // namespace
+
+void SleeperLoads::reset(const Evaluation& evaluation, std::span<const FrozenContact> frozen,
+                         std::span<const std::pair<std::int32_t, std::int32_t>> endsOfFrozen,
+                         std::span<const Vector3> weights, std::span<const Wrench> hostLoads) {
+  const Layout& layout = evaluation.layout();
+  loads_.assign(layout.sleeperCount(), SleeperLoad{});
+  for (std::size_t s = 0; s < loads_.size(); ++s) {
+    loads_[s].force = weights[s];
+    loads_[s].hostLoad = hostLoads[s];
+  }
+  for (std::size_t n = 0; n < frozen.size(); ++n) {
+    const FrozenContact& contact = frozen[n];
+    const std::int32_t owners[2] = {endsOfFrozen[n].first, endsOfFrozen[n].second};
+    for (int side = 0; side < 2; ++side) {
+      const std::int32_t s = sleeperOf(layout, owners[side]);
+      if (s < 0) continue;
+      const Vector3 force = side == 0 ? contact.force : Vector3(-contact.force);
+      loads_[s].force += force;
+      loads_[s].torque += (contact.point - evaluation.center(owners[side])).cross(force);
+      loads_[s].carried += force.norm();
+    }
+  }
+  frozenNet_ = awakeNet_ = Vector3::Zero();
+  for (std::size_t s = 0; s < loads_.size(); ++s) {
+    frozenNet_ += netForceOn(layout.owners[layout.firstSleeper + s], loads_[s]);
+  }
+  touched_.clear();
+  lookAt_.resize(loads_.size());
+  std::iota(lookAt_.begin(), lookAt_.end(), 0);
+}
+
+/// Leaves in touched_ whom awake owners touch, in the order of the contacts. Returns the sum of the forces.
+Vector3 SleeperLoads::takeAwake(const Evaluation& evaluation) {
+  const Layout& layout = evaluation.layout();
+  for (const std::int32_t s : touched_) {
+    SleeperLoad& load = loads_[s];
+    load.awakeForce = load.awakeTorque = Vector3::Zero();
+    load.awakeCarried = 0.0;
+    load.wasTouched = false;
+  }
+  touched_.clear();
+  Vector3 sum = Vector3::Zero();
+  evaluation.forEachContact([&](const Contact& contact, const ContactForce& f) {
+    const std::int32_t owner = layout.ownerOfSlot[contact.slot2];
+    const std::int32_t s = sleeperOf(layout, owner);
+    if (s < 0) return;
+    SleeperLoad& load = loads_[s];
+    if (!load.wasTouched) touched_.push_back(s);
+    load.wasTouched = true;
+    load.awakeForce -= f.force;
+    load.awakeTorque -= (f.point - evaluation.center(owner)).cross(f.force);
+    load.awakeCarried += f.force.norm();
+    sum -= layout.owners[owner].linearFactor.cwiseProduct(f.force);
+  });
+  return sum;
+}
+
+const std::vector<std::int32_t>& SleeperLoads::findUnbalanced(const Evaluation& evaluation, double fraction) {
+  const Layout& layout = evaluation.layout();
+  unbalanced_.clear();
+  awakeNet_ = takeAwake(evaluation);
+  lookAt_.insert(lookAt_.end(), touched_.begin(), touched_.end());
+  for (const std::int32_t s : lookAt_) {
+    const std::int32_t o = layout.firstSleeper + s;
+    const Owner& owner = layout.owners[o];
+    const SleeperLoad& load = loads_[s];
+    if (isUnbalanced(owner, netForceOn(owner, load), netTorqueOn(owner, load),
+                     load.carried + load.awakeCarried, fraction)) {
+      unbalanced_.push_back(o);
+    }
+  }
+  lookAt_ = touched_;
+  return unbalanced_;
+}
+
+}  // namespace granular::detail

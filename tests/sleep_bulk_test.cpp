@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Sleep is neutral: heaps of tetrahedra that settled with sleep on and off have the same shape, press the
+// floor alike and slide at the same tilt, under law 19.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "granular/base/random.h"
+#include "granular/granular.h"
+
+namespace granular {
+namespace {
+
+constexpr double kRadius = 0.01, kGravity = 9.81, kFrame = 1.0 / 60.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kTiltStep = 0.5;  // degrees
+
+/// 64 tetrahedra let fall onto a floor of particles.
+struct Heap {
+  Heap(bool sleeps, std::uint64_t seed)
+      : system(
+            {.integrator = {.stepper = Stepper::Leapfrog, .tolerance = 1e-3}, .sleep = {.enabled = sleeps}}) {
+    const MaterialId stone = system.addMaterial({});
+    system.setMaterialPair(stone, stone, {.shear = {.law = ShearLaw::StaticFriction}});
+    Covering covering;
+    for (int i = 0; i < 45 * 45; ++i)
+      covering.positions.push_back(kRadius * Vector3(i % 45 - 22, -0.5, i / 45 - 22));
+    covering.radii.assign(covering.positions.size(), 0.5 * kRadius);
+    floor = system.addBody({.covering = covering, .material = stone});
+    const GrainShapeId shape = system.addGrainShape(tetrahedronShape(0.5 * kRadius));
+    Random random(seed);
+    for (int i = 0; i < 64; ++i) {
+      const Vector3 site(i % 4 - 1.5, 0.0, i / 4 % 4 - 1.5);
+      const Vector3 at = kRadius * (2.3 * site + Vector3(0, 1.2 + 2.2 * (i / 16), 0));
+      weight += kGravity * system.massOf(system.addGrain(
+                               {.shape = shape, .material = stone, .pose = {at, random.rotation()}}));
+    }
+  }
+
+  std::int64_t run(double seconds) {
+    StepReport report;
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / kFrame)); ++i) report = system.step(kFrame);
+    return report.awakeGrains;
+  }
+  Vector3 middle() const {
+    Vector3 sum = Vector3::Zero();
+    for (const RigidMotion& m : system.grainMotions()) sum += m.pose.position;
+    return sum / static_cast<double>(system.grainMotions().size());
+  }
+  /// Of the cone with the same mean height and mean distance from its axis, degrees.
+  double angle() const {
+    double distance = 0.0;
+    for (const RigidMotion& m : system.grainMotions()) {
+      const Vector3 away = m.pose.position - middle();
+      distance += std::hypot(away.x(), away.z()) / static_cast<double>(system.grainMotions().size());
+    }
+    return std::atan(2.0 * middle().y() / distance) / kDegree;
+  }
+  double forceOnFloor() { return -system.contactWrench(floor).force.y() / weight; }
+  /// Tilt at which it has slid by a third of a radius, degrees.
+  double tiltItSlidesAt() {
+    const Vector3 start = middle();
+    for (double tilt = kTiltStep; tilt < 45.0; tilt += kTiltStep) {
+      system.setGravity(kGravity * Vector3(std::sin(tilt * kDegree), -std::cos(tilt * kDegree), 0));
+      run(0.15);
+      if ((middle() - start).norm() > 0.3 * kRadius) return tilt;
+    }
+    return 45.0;
+  }
+
+  GranularSystem system;
+  BodyId floor;
+  double weight = 0.0;  // N
+};
+
+TEST(SleepNeutrality, HeapHasTheSameAngleFloorForceAndThreshold) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Heap awake(false, seed), asleep(true, seed);
+    awake.run(3.0);
+    EXPECT_LT(asleep.run(3.0), 4);
+    EXPECT_NEAR(asleep.angle(), awake.angle(), 0.3);
+    EXPECT_NEAR(asleep.forceOnFloor(), awake.forceOnFloor(), 0.005);
+    EXPECT_NEAR(asleep.tiltItSlidesAt(), awake.tiltItSlidesAt(), 1.01 * kTiltStep);
+  }
+}
+
+}  // namespace
+}  // namespace granular
