@@ -13,9 +13,13 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pressed_patch_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/sleep_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/stress_cases.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/stress_scenes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/stress_test.cpp)
 
 # LAMMPS judges the input that we write for it, where it is installed.
 find_program(GRANULAR_LAMMPS NAMES lmp lmp_serial DOC "LAMMPS, for tests and granular_bench peers")

@@ -43,6 +43,13 @@ void addSkipCommand(CLI::App& app, int& status);
 /// in ours: drift, depth, time to rest, standing, cost; table, CSV, pictures.
 void addStackingCommand(CLI::App& app, int& status);
 
+/// `sleep [--across N] [--layers N] [--threads N]`: what a bed at rest costs awake and asleep, and a ball that
+/// lands on it; throws std::runtime_error if floor and walls do not bear the weight.
+void addSleepCommand(CLI::App& app, int& status);
+
+/// `stress [--only TEXT] [--csv FILE] [--list]`: scenes at the limits; status 1 if one is not as expected.
+void addStressCommand(CLI::App& app, int& status);
+
 /// `surfaces [--grains N] [--csv FILE]`: grains on particles, on exact boxes and on distance fields: cost,
 /// drain rate, heap.
 void addSurfacesCommand(CLI::App& app, int& status);

@@ -20,6 +20,8 @@ int main(int argc, char** argv) {
   granular_bench::addSearchCommand(app, status);
   granular_bench::addSkipCommand(app, status);
   granular_bench::addStackingCommand(app, status);
+  granular_bench::addSleepCommand(app, status);
+  granular_bench::addStressCommand(app, status);
   granular_bench::addSurfacesCommand(app, status);
   granular_bench::addVerifyCommand(app, status);
   granular_bench::addWorkPrecisionCommand(app, status);
