@@ -114,6 +114,22 @@ TEST(SavedState, GoesOnAsTheRunThatNeverStopped) {
     EXPECT_LT((a[i].pose.position - b[i].pose.position).norm(), 1e-3) << i;
 }
 
+TEST(SavedState, FindsScriptedBodiesWhereTheirScriptsHaveThem) {
+  const SceneDef def = read(smallScene());
+  BuiltScene whole(def, 1);
+  for (int i = 0; i < kTicks; ++i) whole.tick();
+  const SavedState state = whole.savedState();
+  BuiltScene resumed(def, 1, &state);
+  const auto a = whole.cloudBodies(), b = resumed.cloudBodies();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Pose there = whole.grains().bodyMotion(a[i].id).pose,
+               here = resumed.grains().bodyMotion(b[i].id).pose;
+    EXPECT_LT((there.position - here.position).norm(), 1e-12) << i;
+    EXPECT_LT(there.orientation.angularDistance(here.orientation), 1e-7) << i;
+  }
+}
+
 TEST(StateFile, IsRefusedWhenCutOff) {
   const auto file = scratch("cut");
   writeState(stateLater(), file);

@@ -79,6 +79,7 @@ Pose BuiltBody::drawnPose() const {
 
 BuiltScene::BuiltScene(SceneDef def, int threads, const SavedState* state) : def_(std::move(def)) {
   if (state) def_.seed = state->seed;
+  if (state && state->scene == def_.name) ticksDone_ = state->ticks;
   def_.bodies = withCopies(def_);
   bullet_bridge::LayerDef layer;
   layer.integrator = def_.integrator;
@@ -105,7 +106,6 @@ BuiltScene::BuiltScene(SceneDef def, int threads, const SavedState* state) : def
     }
   }
   addEmitters(state);
-  moveScriptedBodies(time());
   impactSpeed_ = impactSpeedOf(*this);
   advice_ = grains().advice(impactSpeed_.speed);
 }
@@ -163,7 +163,9 @@ void BuiltScene::addBody(const BodyPart& part, double smallestGrainRadius, int t
   const Vector3 inertia = inertiaOf(part, *built.solid, built.mass);
   btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(built.mass), nullptr,
                                                 &built.solid->shape(), toBullet(inertia));
-  info.m_startWorldTransform = toBullet(bullet_bridge::composed(part.pose, built.solid->frame));
+  const Pose drawn =
+      part.script.empty() ? part.pose : poseAt(def_.scripts.at(part.script), part.pose, time());
+  info.m_startWorldTransform = toBullet(bullet_bridge::composed(drawn, built.solid->frame));
   const granular::MaterialDef& material = grains().material(built.material);
   info.m_friction = static_cast<btScalar>(material.friction);
   info.m_restitution = static_cast<btScalar>(material.restitution);

@@ -60,7 +60,6 @@ granular::RigidMotion BuiltScene::motionOf(const BuiltBody& body) const {
 }
 
 void BuiltScene::restore(const SavedState& state) {
-  if (state.scene == def_.name) ticksDone_ = state.ticks;
   for (const SavedState::Body& saved : state.bodies) restoreBody(saved);
   for (const std::string& name : state.brokenJoints) {
     try {
