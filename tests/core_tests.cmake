@@ -1,6 +1,5 @@
 list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/advice_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/allocation_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/body_surface_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/candidate_list_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/contact_kernels_test.cpp
@@ -20,6 +19,11 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/stress_cases.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_scenes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_test.cpp)
+
+# It replaces operator new, which the sanitizers do too.
+if(NOT GRANULAR_SANITIZE)
+  list(APPEND GRANULAR_CORE_TEST_SOURCES ${CMAKE_CURRENT_LIST_DIR}/allocation_test.cpp)
+endif()
 
 # LAMMPS judges the input that we write for it, where it is installed.
 find_program(GRANULAR_LAMMPS NAMES lmp lmp_serial DOC "LAMMPS, for tests and granular_bench peers")
