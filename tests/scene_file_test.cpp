@@ -262,7 +262,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"/windSpeed", 3,
                 "windSpeed: unknown key; allowed here: name, description, continues, gravity, duration, "
                 "frameRate, "
-                "ticksPerFrame, seed, integrator, sleep, materials, pairs, shapes, fills, grains, scripts, bodies, "
+                "ticksPerFrame, seed, integrator, sleep, materials, pairs, shapes, fills, grains, scripts, "
+                "bodies, "
                 "emitters, joints, meters, expect, largestStartOverlap, container, "
                 "groundHeight, cameras, look, outputs"}));
 
