@@ -21,7 +21,7 @@ constexpr double kLeastRestitution = 0.1;
 constexpr double kFrictionDamping = 0.5;
 
 /// Least duration of an impact of a jointed body, in ticks.
-constexpr double kTicksOfAnImpact = 1.0;
+constexpr double kTicksOfAnImpact = 2.0;
 
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 
