@@ -57,6 +57,7 @@ struct CoveredBody {
   double largestSide = 0.0;          ///< of the box round its shape, m^2
   double gravity = 0.0;              ///< when it was covered, m/s^2, > 0
   double jointTick = 0.0;            ///< s; 0 for a body that no joint holds
+  bool isShownMidway = false;        ///< to Bullet's joints: as it is in the middle of the tick
   std::optional<granular::ExactSurface> exact;
   granular::ExactUse exactUse = granular::ExactUse::Everything;  ///< Everything: met instead of particles
   granular::Pose exactFrame;                                     ///< of its frame in Bullet's body frame
@@ -195,6 +196,8 @@ class Layer {
   void updateExclusions();
 
   void noteJoints(btScalar dt);
+  void noteForeignJoints();
+  bool movesOutside(const btRigidBody& body) const;
   void takeStaticPose(CoveredBody& covered);
   void takeKinematicPose(CoveredBody& covered, double dt);
   granular::Pose bulletPose(const CoveredBody& covered) const;
@@ -205,6 +208,7 @@ class Layer {
   void takeJointLoads();
   void applyLoad(CoveredBody& covered);
   void showMassFrames();
+  granular::Pose midwayPose(const CoveredBody& covered) const;
   void noteSolved();
   bool addActions(const CoveredBody& covered, granular::RigidMotion& motion) const;
   granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;

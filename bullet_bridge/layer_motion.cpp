@@ -113,15 +113,48 @@ void Layer::takeChanges(btScalar dt) {
 
 /// Which bodies Bullet's joints hold in this tick.
 void Layer::noteJoints(btScalar dt) {
-  for (CoveredBody& covered : bodies_) covered.jointTick = 0.0;
+  for (CoveredBody& covered : bodies_) {
+    covered.jointTick = 0.0;
+    covered.isShownMidway = false;
+  }
   for (int i = 0; i < world_.getNumConstraints(); ++i) {
     const btTypedConstraint& joint = *world_.getConstraint(i);
     if (!joint.isEnabled()) continue;
     for (const btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
       const auto found = slots_.find(body);
-      if (found != slots_.end()) bodies_[found->second].jointTick = dt;
+      if (found == slots_.end()) continue;
+      bodies_[found->second].jointTick = dt;
+      bodies_[found->second].isShownMidway = true;
     }
   }
+  noteForeignJoints();
+}
+
+/// Bullet shows its own bodies to joints as they are at the start of the tick, or kinematic ones at its end:
+/// what hangs together with such a one, be it through others, is shown at the start too.
+void Layer::noteForeignJoints() {
+  for (bool isSettled = false; !isSettled;) {
+    isSettled = true;
+    for (int i = 0; i < world_.getNumConstraints(); ++i) {
+      const btTypedConstraint& joint = *world_.getConstraint(i);
+      if (!joint.isEnabled()) continue;
+      const btRigidBody* ends[2] = {&joint.getRigidBodyA(), &joint.getRigidBodyB()};
+      if (!movesOutside(*ends[0]) && !movesOutside(*ends[1])) continue;
+      for (const btRigidBody* body : ends) {
+        const auto found = slots_.find(body);
+        if (found == slots_.end() || !bodies_[found->second].isShownMidway) continue;
+        bodies_[found->second].isShownMidway = isSettled = false;
+      }
+    }
+  }
+}
+
+/// Whether it moves, and is not shown to joints in the middle of the tick.
+bool Layer::movesOutside(const btRigidBody& body) const {
+  if (body.isKinematicObject()) return true;
+  if (body.isStaticObject() || body.getInvMass() == btScalar(0)) return false;
+  const CoveredBody* covered = find(&body);
+  return !covered || !covered->isShownMidway;
 }
 
 /// A static body moved by hand is somewhere else at once: it had no velocity.

@@ -142,12 +142,26 @@ void Layer::applyLoad(CoveredBody& covered) {
   system_.setBodyLoad(covered.id, load);
 }
 
-/// Each body as it was at the start of the tick, about its true centre of mass.
+Pose Layer::midwayPose(const CoveredBody& covered) const {
+  const Pose& start = covered.startPose;
+  const Pose end = system_.bodyMotion(covered.id).pose;
+  return {0.5 * (start.position + end.position),
+          turnBy(0.5 * turnBetween(start.orientation, end.orientation)) * start.orientation};
+}
+
+/// About its true centre of mass, each body as it was at the start of the tick; one that joints hold as it is
+/// in the middle of it. A pin that holds a turning body moves it along the chord of its arc, at right angles
+/// to the lever in mid-tick: with the lever of the tick's start, as Bullet has it, it would leave the arc by
+/// r w^2 dt^2 / 2 in every tick.
 void Layer::showMassFrames() {
   for (CoveredBody& covered : bodies_) {
-    if (covered.make.motion != BodyMotion::Dynamic || !covered.momentsPerMass) continue;
-    massFrames_.show(*covered.body, covered.startPose, toBullet(covered.settings.inverseInertia));
+    if (covered.make.motion != BodyMotion::Dynamic) continue;
+    if (!covered.momentsPerMass && !covered.isShownMidway) continue;
+    massFrames_.show(*covered.body, covered.startPose,
+                     covered.isShownMidway ? midwayPose(covered) : covered.startPose,
+                     toBullet(covered.settings.inverseInertia));
   }
+  massFrames_.showContacts(*world_.getDispatcher());
   massFrames_.showJoints(world_, [this](const btRigidBody& body) -> const Pose* {
     const CoveredBody* covered = find(&body);
     const bool shown = covered && covered->make.motion == BodyMotion::Dynamic && covered->momentsPerMass;

@@ -93,13 +93,36 @@ Undo showJoint(btTypedConstraint& joint, const Pose* a, const Pose* b) {
 
 }  // namespace
 
-void MassFrames::show(btRigidBody& body, const Pose& worldPose, const btVector3& inverseInertia) {
+void MassFrames::show(btRigidBody& body, const Pose& start, const Pose& worldPose,
+                      const btVector3& inverseInertia) {
+  const btVector3 shift = toBullet(granular::Vector3(worldPose.position - start.position));
+  if (!shift.isZero()) shifts_[&body] = shift;
   bodies_.push_back({.body = &body,
                      .transform = body.getWorldTransform(),
                      .inverseInertia = body.getInvInertiaDiagLocal()});
   body.setWorldTransform(toBullet(worldPose));
   body.setInvInertiaDiagLocal(inverseInertia);
   body.updateInertiaTensor();
+}
+
+btVector3 MassFrames::shiftOf(const btCollisionObject* body) const {
+  const auto found = shifts_.find(body);
+  return found == shifts_.end() ? btVector3(0, 0, 0) : found->second;
+}
+
+void MassFrames::showContacts(btDispatcher& dispatcher) {
+  if (shifts_.empty()) return;
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    const btVector3 shiftA = shiftOf(manifold.getBody0()), shiftB = shiftOf(manifold.getBody1());
+    if (shiftA.isZero() && shiftB.isZero()) continue;
+    for (int c = 0; c < manifold.getNumContacts(); ++c) {
+      btManifoldPoint& point = manifold.getContactPoint(c);
+      points_.push_back({.point = &point, .onA = point.m_positionWorldOnA, .onB = point.m_positionWorldOnB});
+      point.m_positionWorldOnA += shiftA;
+      point.m_positionWorldOnB += shiftB;
+    }
+  }
 }
 
 void MassFrames::showJoints(btDiscreteDynamicsWorld& world, const FrameOf& frameOf) {
@@ -115,6 +138,12 @@ void MassFrames::showJoints(btDiscreteDynamicsWorld& world, const FrameOf& frame
 void MassFrames::hide() {
   for (const Undo& undo : undoJoints_) undo();
   undoJoints_.clear();
+  for (const ShiftedPoint& shifted : points_) {
+    shifted.point->m_positionWorldOnA = shifted.onA;
+    shifted.point->m_positionWorldOnB = shifted.onB;
+  }
+  points_.clear();
+  shifts_.clear();
   for (const Shown& shown : bodies_) {
     shown.body->setWorldTransform(shown.transform);
     shown.body->setInvInertiaDiagLocal(shown.inverseInertia);

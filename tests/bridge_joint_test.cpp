@@ -48,17 +48,94 @@ double worstJointError(double height, bool covered) {
   return worst;
 }
 
-/// Which swing of a chain is its fastest, and so its worst, hangs on the last bit: chains from several
-/// heights are compared.
 TEST(HingeChain, OfCoveredBodiesIsNoWorseThanBulletsOwn) {
-  double own = 0.0, covered = 0.0;
-  for (const double height : {0.9, 1.2, 1.5}) {
-    own += worstJointError<btDiscreteDynamicsWorld>(height, false) / 3.0;
-    covered += worstJointError<bullet_bridge::GranularDynamicsWorld>(height, true) / 3.0;
+  for (const double height : {0.9, 1.0, 1.1, 1.2, 1.35, 1.5}) {
+    EXPECT_LE(worstJointError<bullet_bridge::GranularDynamicsWorld>(height, true),
+              worstJointError<btDiscreteDynamicsWorld>(height, false))
+        << "from " << height << " m";
   }
-  RecordProperty("bulletWorst", std::to_string(own));
-  RecordProperty("coveredWorst", std::to_string(covered));
-  EXPECT_LE(covered, own);
+}
+
+/// A bar turning at 9 rad/s about a pin at its end, 0.5 m from its centre, without gravity: how far the end
+/// is from the pin at most in the second half of a second, m.
+template <class World>
+double latePinError(bool covered) {
+  Scene<World> scene;
+  scene.world->setGravity(vec(0, 0, 0));
+  btRigidBody& bar = scene.body(1, scene.box(0.5, 0.1, 0.1), at(0.5, 0, 0));
+  bar.setActivationState(DISABLE_DEACTIVATION);
+  bar.setLinearVelocity(vec(0, 4.5, 0));
+  bar.setAngularVelocity(vec(0, 0, 9));
+  if constexpr (std::is_same_v<World, bullet_bridge::GranularDynamicsWorld>) {
+    if (covered) scene.world->coverBody(bar, oneParticle(0.1));
+  }
+  scene.joints.push_back(std::make_unique<btPoint2PointConstraint>(bar, vec(-0.5, 0, 0)));
+  scene.world->addConstraint(scene.joints[0].get());
+  double late = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    scene.world->stepSimulation(scalar(1.0 / 60.0), 1, scalar(1.0 / 60.0));
+    if (i >= 30) late = std::max(late, fromBullet(bar.getWorldTransform() * vec(-0.5, 0, 0)).norm());
+  }
+  return late;
+}
+
+// Bullet's pin pulls along the lever that the bar has when the tick begins: the bar leaves its arc by
+// r (w dt)^2 / 2 in every tick. The lever in mid-tick leaves the third order, a factor of w dt = 0.15 less;
+// it is known as well as the load, which lags the turning pull: half of that again is allowed for it.
+TEST(Pin, KeepsACoveredBarOnItsArc) {
+  EXPECT_LT(latePinError<bullet_bridge::GranularDynamicsWorld>(true),
+            1.5 * 0.15 * latePinError<btDiscreteDynamicsWorld>(false));
+}
+
+/// Two covered boxes on a hinge between them, sliding over uncovered ground without friction.
+double heightOfSlidingPair(double speed) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, -10, 0));
+  btRigidBody& ground = scene.body(0, scene.box(100, 0.1, 5), at(0, -0.1, 0));
+  ground.setFriction(0);
+  btRigidBody* boxes[2];
+  for (int i = 0; i < 2; ++i) {
+    boxes[i] = &scene.body(1, scene.box(0.1, 0.1, 0.1), at(0.3 * i, 0.1, 0));
+    boxes[i]->setActivationState(DISABLE_DEACTIVATION);
+    boxes[i]->setFriction(0);
+    boxes[i]->setLinearVelocity(vec(speed, 0, 0));
+    scene.world->coverBody(*boxes[i], oneParticle(0.1));
+  }
+  const btVector3 axis(0, 0, 1);
+  scene.joints.push_back(std::make_unique<btHingeConstraint>(*boxes[0], *boxes[1], vec(0.15, 0, 0),
+                                                             vec(-0.15, 0, 0), axis, axis));
+  scene.world->addConstraint(scene.joints[0].get(), true);
+  double highest = 0.0;
+  for (int i = 0; i < 64; ++i) {
+    scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+    highest = std::max({highest, positionOf(*boxes[0]).y(), positionOf(*boxes[1]).y()});
+  }
+  return highest;
+}
+
+// Joints see bodies in mid-tick, by 0.16 m farther on; contacts must not take that for a lever.
+TEST(JointedBody, SlidesOnUncoveredGroundAtAnySpeed) {
+  EXPECT_NEAR(heightOfSlidingPair(20.0), heightOfSlidingPair(0.0), 1e-3);
+}
+
+// Bullet shows the other one at the start of the tick, where the two fit together.
+TEST(JointedBody, StaysWithAnUncoveredPartnerAtAnySpeed) {
+  SandScene scene;
+  scene.world->setGravity(vec(0, 0, 0));
+  btRigidBody* boxes[3];
+  for (int i = 0; i < 3; ++i) {
+    boxes[i] = &scene.body(1, scene.box(0.1, 0.1, 0.1), at(0.3 * i, 0, 0));
+    boxes[i]->setLinearVelocity(vec(20, 0, 0));
+  }
+  scene.world->coverBody(*boxes[0], oneParticle(0.1));
+  scene.world->coverBody(*boxes[1], oneParticle(0.1));
+  for (int i = 0; i < 2; ++i) {
+    scene.joints.push_back(std::make_unique<btPoint2PointConstraint>(*boxes[i], *boxes[i + 1],
+                                                                     vec(0.15, 0, 0), vec(-0.15, 0, 0)));
+    scene.world->addConstraint(scene.joints.back().get(), true);
+  }
+  for (int i = 0; i < 64; ++i) scene.world->stepSimulation(scalar(1.0 / 64.0), 1, scalar(1.0 / 64.0));
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(positionOf(*boxes[i]).x(), 20.0 + 0.3 * i, 1e-4);
 }
 
 /// A bar pinned at one end, of length 1 m: a physical pendulum of I = m L^2 / 3 about the pin. Small swings
