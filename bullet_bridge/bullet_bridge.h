@@ -14,4 +14,5 @@
 #include "bullet_bridge/shape_covering.h"
 #include "bullet_bridge/shape_mass.h"
 #include "bullet_bridge/shape_surface.h"
+#include "bullet_bridge/task_executor.h"
 #include "granular/granular.h"

@@ -31,15 +31,22 @@ constexpr double kDefaultDiscs = 500.0;
 /// more would.
 constexpr double kDiscsOfABox = 40.0;
 
+void checkBudget(const granular::WorkBudget& budget) {
+  granular::require(budget.evaluations >= 0, "WorkBudget.evaluations", budget.evaluations, "", ">= 0");
+  granular::require(budget.seconds >= 0.0, "WorkBudget.seconds", budget.seconds, "s", ">= 0");
+}
+
 granular::SystemDef systemDef(const btDiscreteDynamicsWorld& world, const LayerDef& def) {
   granular::requirePositive(def.kinematicSpeedLimit, "LayerDef.kinematicSpeedLimit", "m/s");
   granular::requirePositive(def.restingDepth, "LayerDef.restingDepth", "");
   granular::require(def.drawnParticleLimit >= 0, "LayerDef.drawnParticleLimit", def.drawnParticleLimit, "",
                     ">= 0");
+  checkBudget(def.budget);
   return {.gravity = fromBullet(world.getGravity()),
           .integrator = def.integrator,
           .sleep = def.sleep,
-          .threads = def.threads};
+          .threads = def.threads,
+          .executor = def.executor};
 }
 
 /// A plane that the program makes dynamic has no place in the core's integration: there it stands still
@@ -157,6 +164,11 @@ double smallestGrainParticle(const granular::GranularSystem& system) {
 
 Layer::Layer(btDiscreteDynamicsWorld& world, const LayerDef& def, bool framesAreTold)
     : world_(world), def_(def), framesAreTold_(framesAreTold), system_(systemDef(world, def)) {}
+
+void Layer::setBudget(const granular::WorkBudget& budget) {
+  checkBudget(budget);
+  def_.budget = budget;
+}
 
 // ---- grains
 

@@ -77,6 +77,7 @@ struct CoveredBody {
   granular::Vector3 frameVelocity = granular::Vector3::Zero();
   granular::Vector3 frameAngularVelocity = granular::Vector3::Zero();
   double frameTimeLeft = 0.0;
+  bool isBehind = false;  ///< the core did not simulate the whole last tick: it is not where it should be
 
   bool hasParticles() const { return !exact || exactUse == granular::ExactUse::Bodies; }
   bool isPlane() const { return !hasParticles() && std::holds_alternative<granular::HalfSpace>(*exact); }
@@ -121,6 +122,7 @@ class Layer {
   const granular::GranularSystem& system() const { return system_; }
   const granular::StepReport& report() const { return report_; }
   int drawnParticleLimit() const { return def_.drawnParticleLimit; }
+  void setBudget(const granular::WorkBudget& budget);
   /// Nothing covered and no grains: the world runs as plain Bullet.
   bool isIdle() const { return bodies_.empty() && system_.grainCount() == 0; }
 
@@ -205,6 +207,7 @@ class Layer {
   void takeDynamicState(CoveredBody& covered, btScalar dt);
   double kinematicTime(const CoveredBody& covered, const BulletState& now, double dt) const;
   void prepareDynamic(CoveredBody& covered);
+  void integrate(double dt);
   void takeJointLoads();
   void applyLoad(CoveredBody& covered);
   void showMassFrames();
@@ -235,7 +238,8 @@ class Layer {
   JointLoads jointLoads_;
   ContactListener contactListener_;
   std::vector<BodyContact> contacts_;  // told to the listener
-  double lastTick_ = 0.0;              // s
+  double lastTick_ = 0.0;              // what of it was simulated, s
+  double secondsSpent_ = 0.0;          // of wall time, of the budget
   std::unique_ptr<GrainQueries> queries_;
   bool wakeAll_ = false;  // something that may have held a body up has gone
 };

@@ -50,6 +50,10 @@ const granular::StepReport& LayerDoor::lastStep() const {
   return layer_->report();
 }
 
+void LayerDoor::setBudget(const granular::WorkBudget& budget) {
+  layer_->setBudget(budget);
+}
+
 void LayerDoor::readContacts(std::vector<BodyContact>& contacts) {
   layer_->readContacts(contacts);
 }

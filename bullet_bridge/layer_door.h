@@ -28,6 +28,13 @@ struct LayerDef {
   granular::IntegratorDef integrator = {};
   granular::SleepDef sleep = {};  ///< of grains and covered bodies in the core, besides Bullet's own sleeping
   int threads = 1;                ///< of the core, > 0; results are the same bits for every number
+  /// Runs the core's loops in place of its own threads, with the same bits; must outlive the world or layer.
+  /// For Bullet's task schedulers: TaskSchedulerExecutor.
+  granular::HostExecutor* executor = nullptr;
+  /// For each stepSimulation of a GranularDynamicsWorld, each tick of a GranularLayer. Used up, grains and
+  /// covered bodies simulate less time than asked: they move in slow motion, while the rest of the world goes
+  /// on. One sub-step is made at least. lastStep() has StepFlag::BudgetExhausted and the dropped time.
+  granular::WorkBudget budget = {};
 
   /// How far a cube that stands on its like sinks into it under its own weight, in edges, > 0: this, with
   /// mass, size and gravity at the time of coverBody, decides how stiff bodies are against each other, so
@@ -185,6 +192,8 @@ class LayerDoor {
   /// What the last stepSimulation did: counts and wall times summed over its ticks, overlaps and sub-step
   /// lengths at their extremes, the rest as it stood after the last tick.
   const granular::StepReport& lastStep() const;
+  /// From the next tick on; see LayerDef::budget. Throws std::invalid_argument if a number is negative.
+  void setBudget(const granular::WorkBudget& budget);
 
   // ---- reading
   /// Contacts that covered bodies have now, with grains and with each other's particles.

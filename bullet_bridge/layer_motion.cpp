@@ -72,7 +72,7 @@ void Layer::beginFrame() {
   report_.flags = granular::StepFlag::None;
   report_.subSteps = report_.rejectedTrials = report_.evaluations = report_.listRebuilds =
       report_.quarantined = 0;
-  report_.largestOverlap = 0.0;
+  report_.largestOverlap = report_.droppedTime = secondsSpent_ = 0.0;
   report_.stageSeconds.fill(0.0);
 }
 
@@ -209,12 +209,16 @@ double Layer::kinematicTime(const CoveredBody& covered, const BulletState& now, 
 }
 
 /// x(t) = x_end - v (t_end - t): Bullet holds the end pose in every tick of a frame, the core gets the one
-/// between. A pose set within the frame (a tick callback) is reached within this tick.
+/// between. A pose set within the frame (a tick callback) is reached within this tick. What the core fell
+/// behind, as time was dropped, it makes up for in the rest of the frame.
 void Layer::takeKinematicPose(CoveredBody& covered, double dt) {
   const BulletState now = stateOf(*covered.body);
   if (!isSame(now.transform, covered.written.transform) && isFinite(now)) {
     runKinematicTo(covered, fromBullet(now.transform), kinematicTime(covered, now, dt));
+  } else if (covered.isBehind) {
+    runKinematicTo(covered, covered.frameEnd, std::max(covered.frameTimeLeft, dt));
   }
+  covered.isBehind = false;
   RigidMotion motion{.pose = covered.frameEnd};
   if (covered.frameTimeLeft > 0.5 * dt) {  // half a tick: the countdown rounds
     motion.angularVelocity = covered.frameAngularVelocity;

@@ -4,6 +4,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -59,6 +60,7 @@ void add(granular::StepReport& sum, const granular::StepReport& tick) {
   total.evaluations += sum.evaluations;
   total.listRebuilds += sum.listRebuilds;
   total.quarantined += sum.quarantined;
+  total.droppedTime += sum.droppedTime;
   total.fellAsleep += sum.fellAsleep;
   total.woken += sum.woken;
   if (sum.subSteps > 0) {
@@ -99,9 +101,30 @@ void Layer::step(btScalar dt) {
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion == BodyMotion::Dynamic) prepareDynamic(covered);
   }
+  integrate(dt);
+}
+
+/// As much of the tick as the budget of this stepSimulation is enough for. Bullet's solver sees what is left
+/// of the motion as the mean of the whole tick, so its impulses stay equal on both sides of a joint or
+/// contact; it only takes more ticks to turn the core's velocity round.
+void Layer::integrate(double dt) {
   BT_PROFILE("granular: integrate grains and bodies");
-  add(report_, system_.step(dt));
-  lastTick_ = dt;
+  const granular::WorkBudget left{.evaluations = def_.budget.evaluations - report_.evaluations,
+                                  .seconds = def_.budget.seconds - secondsSpent_};
+  double dropped = dt;
+  if (report_.subSteps == 0 || (left.evaluations > 0 && left.seconds > 0.0)) {
+    const auto start = std::chrono::steady_clock::now();
+    const granular::StepReport tick = system_.step(dt, left);
+    secondsSpent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    dropped = tick.droppedTime;
+    lastTick_ = dt - dropped;
+    add(report_, tick);
+  } else {
+    report_.droppedTime += dt;
+    report_.flags = report_.flags | granular::StepFlag::BudgetExhausted;
+  }
+  if (dropped == 0.0) return;
+  for (CoveredBody& covered : bodies_) covered.isBehind = true;
 }
 
 void Layer::prepareDynamic(CoveredBody& covered) {

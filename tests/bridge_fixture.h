@@ -111,6 +111,7 @@ class AttachedWorld : public btDiscreteDynamicsWorld {
   }
   granular::GranularSystem& grains() { return sand_.grains(); }
   const granular::StepReport& lastStep() const { return sand_.lastStep(); }
+  void setBudget(const granular::WorkBudget& budget) { sand_.setBudget(budget); }
 
  private:
   bullet_bridge::GranularLayer sand_{*this};

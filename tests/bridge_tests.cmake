@@ -1,5 +1,6 @@
 # Test sources of the bridge; tests/CMakeLists.txt links them with granular::bullet_bridge.
 list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_budget_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_coupling_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_exact_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_joint_kinds_test.cpp
@@ -19,6 +20,7 @@ list(APPEND GRANULAR_BRIDGE_TEST_SOURCES
 
 # The same tests of the coupling with a plain Bullet world that a GranularLayer has joined.
 list(APPEND GRANULAR_ATTACHED_TEST_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/bridge_budget_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_coupling_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_exact_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bridge_joint_kinds_test.cpp

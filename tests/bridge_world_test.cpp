@@ -23,6 +23,12 @@ std::string refusalOf(Action action) {
   return {};
 }
 
+/// A world with other settings in place of the scene's.
+void replaceWorld(SandScene& scene, const bullet_bridge::LayerDef& def) {
+  scene.world = std::make_unique<bullet_bridge::GranularDynamicsWorld>(
+      &scene.dispatcher, &scene.broadphase, &scene.solver, &scene.configuration, def);
+}
+
 template <class World>
 std::vector<double> runStack() {
   Scene<World> scene;
@@ -320,15 +326,52 @@ TEST(DebugDraw, ShowsEachParticleOfASmallScene) {
 
 TEST(DebugDraw, KeepsToItsLimit) {
   SandScene scene;
-  scene.world = std::make_unique<bullet_bridge::GranularDynamicsWorld>(
-      &scene.dispatcher, &scene.broadphase, &scene.solver, &scene.configuration,
-      bullet_bridge::LayerDef{.drawnParticleLimit = 10});
+  replaceWorld(scene, {.drawnParticleLimit = 10});
   CountingDrawer drawer;
   scene.world->setDebugDrawer(&drawer);
   scene.world->addPile({.region = {{0, 0, 0}, {0.1, 0.1, 0.1}}, .particleRadius = 0.01});
   scene.world->debugDrawWorld();
   EXPECT_GT(drawer.spheres, 0);
   EXPECT_LE(drawer.spheres, 10);
+}
+
+TEST(GranularDynamicsWorld, HasItsBudgetForTheWholeStepSimulation) {
+  SandScene scene;
+  replaceWorld(scene, {.budget = {.evaluations = 200}});
+  scene.world->coverBody(scene.body(0, scene.box(0.5, 0.5, 0.5), at(0, -0.5, 0)));
+  btRigidBody& cube = scene.body(1000, scene.box(0.5, 0.5, 0.5), at(0, 0.5, 0));
+  scene.world->coverBody(cube);
+  const double tick = 1.0 / 64.0;
+  scene.world->stepSimulation(scalar(8 * tick), 8, scalar(tick));
+  const granular::StepReport& report = scene.world->lastStep();
+  EXPECT_TRUE(has(report.flags, granular::StepFlag::BudgetExhausted));
+  EXPECT_NEAR(report.droppedTime + scene.world->grains().time(), 8 * tick, 1e-12);
+  EXPECT_GT(report.droppedTime, 6 * tick) << "a cube at rest takes 600 evaluations a tick";
+  EXPECT_LE(report.evaluations, 207) << "a trial of six may end beyond it, and a report takes one";
+  EXPECT_NEAR(positionOf(cube).y(), 0.5, 1e-4);
+}
+
+/// Where the grains of a poured pile are after a fifth of a second.
+std::vector<granular::RigidMotion> pouredPile(const bullet_bridge::LayerDef& def) {
+  SandScene scene;
+  replaceWorld(scene, def);
+  scene.world->coverBody(scene.body(0, scene.box(0.2, 0.02, 0.2), at(0, -0.02, 0)),
+                         {.contact = bullet_bridge::SurfaceContact::Exact});
+  scene.world->addPile({.region = {{-0.1, 0.0, -0.1}, {0.1, 0.1, 0.1}}, .particleRadius = 0.01});
+  for (int i = 0; i < 12; ++i) scene.world->stepSimulation(scalar(1.0 / 60.0), 1, scalar(1.0 / 60.0));
+  const auto motions = scene.world->grains().grainMotions();
+  return {motions.begin(), motions.end()};
+}
+
+// Debian's Bullet has no other scheduler; that it runs in pieces is what counts here.
+TEST(TaskSchedulerExecutor, GivesTheBitsOfOneThread) {
+  bullet_bridge::TaskSchedulerExecutor executor(*btGetSequentialTaskScheduler());
+  const auto alone = pouredPile({}), scheduled = pouredPile({.executor = &executor});
+  ASSERT_EQ(alone.size(), scheduled.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    ASSERT_EQ(alone[i].pose.position, scheduled[i].pose.position) << i;
+    ASSERT_EQ(alone[i].velocity, scheduled[i].velocity) << i;
+  }
 }
 
 }  // namespace

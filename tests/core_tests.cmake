@@ -8,6 +8,7 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/free_rotation_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/grain_shape_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/granular_system_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/host_executor_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/io_lammps_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_law_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pressed_patch_test.cpp
@@ -18,7 +19,8 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_cases.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_scenes.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/stress_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/stress_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/work_budget_test.cpp)
 
 # It replaces operator new, which the sanitizers do too.
 if(NOT GRANULAR_SANITIZE)

@@ -16,8 +16,8 @@ struct Executor::Threads {
   tbb::task_arena arena;
 };
 
-Executor::Executor(int threads) : threads_(threads) {
-  if (threads > 1) pool_ = std::make_unique<Threads>(threads);
+Executor::Executor(int threads, HostExecutor* host) : threads_(threads), host_(host) {
+  if (threads > 1 && !host) pool_ = std::make_unique<Threads>(threads);
 }
 Executor::~Executor() = default;
 
@@ -26,6 +26,10 @@ void Executor::enter(const std::function<void()>& work) const {
 }
 
 void Executor::runPieces(std::int32_t pieces, const std::function<void(std::int32_t)>& body) const {
+  if (host_) {
+    host_->run(pieces, body);
+    return;
+  }
   pool_->arena.execute([&] {  // at once where we are inside the arena already
     tbb::parallel_for(
         tbb::blocked_range<std::int32_t>(0, pieces, 1),

@@ -10,10 +10,22 @@
 
 namespace granular {
 
-/// Runs loops on a fixed number of threads. One thread runs everything in the caller and starts nothing.
+/// Threads of a host that has its own: a job system, a pool. Which pieces there are does not depend on it, so
+/// results are the same bits on any.
+class HostExecutor {
+ public:
+  virtual ~HostExecutor() = default;
+  /// Calls body(piece) once for every piece in [0, pieces), in any order and on any threads, and returns when
+  /// all have returned. Called from the thread that steps the system; `body` throws nothing and calls no run.
+  virtual void run(std::int32_t pieces, const std::function<void(std::int32_t)>& body) = 0;
+};
+
+/// Runs loops on a fixed number of threads, or on those of a host. One thread runs everything in the caller
+/// and starts nothing.
 class Executor {
  public:
-  explicit Executor(int threads);
+  /// @param host  runs every loop where it is given, and must outlive this; null: own threads
+  explicit Executor(int threads, HostExecutor* host = nullptr);
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
@@ -24,7 +36,7 @@ class Executor {
   /// to gather them first, each on its own.
   template <class Work>
   void gather(Work&& work) const {
-    if (threads_ == 1) {
+    if (!pool_) {
       work();
     } else {
       enter(work);
@@ -34,7 +46,7 @@ class Executor {
   /// body(piece) for every piece in [0, pieces), in any order and on any thread.
   template <class Body>
   void forPieces(std::int32_t pieces, Body&& body) const {
-    if (threads_ == 1 || pieces <= 1) {
+    if (pieces <= 1 || !(pool_ || host_)) {
       for (std::int32_t piece = 0; piece < pieces; ++piece) body(piece);
     } else {
       runPieces(pieces, std::ref(body));
@@ -60,7 +72,8 @@ class Executor {
   void runPieces(std::int32_t pieces, const std::function<void(std::int32_t)>& body) const;
 
   int threads_;
-  std::unique_ptr<Threads> pool_;  // none for one thread
+  HostExecutor* host_;
+  std::unique_ptr<Threads> pool_;  // none for one thread, or where the host has them
 };
 
 }  // namespace granular

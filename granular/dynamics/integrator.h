@@ -47,7 +47,7 @@ struct IntegratorDef {
   double smallestSubStep = 1e-10;
 
   /// Trials in one step() before the rest of it is done at a tolerance a thousand times looser, and with that
-  /// many again at whatever comes (StepFlag::TrialLimitReached). Time is never dropped.
+  /// many again at whatever comes (StepFlag::TrialLimitReached). Drops no time: a WorkBudget does.
   int trialLimit = 1000000;
 };
 

@@ -291,8 +291,8 @@ int GranularSystem::threads() const {
   return impl_->evaluation.executor().threads();
 }
 
-StepReport GranularSystem::step(double dt) {
-  return impl_->step(dt);
+StepReport GranularSystem::step(double dt, const WorkBudget& budget) {
+  return impl_->step(dt, budget);
 }
 double GranularSystem::time() const {
   return impl_->time;

@@ -11,12 +11,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "granular/base/parallel.h"
 #include "granular/base/pose.h"
 #include "granular/contact/material.h"
 #include "granular/dynamics/integrator.h"
@@ -48,6 +50,17 @@ struct SystemDef {
   IntegratorDef integrator = {};
   SleepDef sleep = {};
   int threads = 1;  ///< > 0; results are the same bits for every number
+  /// Runs the loops of every step in place of threads of our own, with the same bits; must outlive the
+  /// system. Null: `threads`.
+  HostExecutor* executor = nullptr;
+};
+
+/// How much work a step may be. Whatever runs out first ends the step after the sub-step that it is in: then
+/// less time has gone by than was asked for, all of it as accurate as ever (StepReport::droppedTime,
+/// StepFlag::BudgetExhausted). A step makes one sub-step at least.
+struct WorkBudget {
+  std::int64_t evaluations = std::numeric_limits<std::int64_t>::max();  ///< >= 0; the same on any machine
+  double seconds = std::numeric_limits<double>::infinity();             ///< of wall time, >= 0
 };
 
 /// Which things meet: two owners are paired only if each one's group is in the other's mask (as in Bullet).
@@ -165,9 +178,9 @@ class GranularSystem {
   int threads() const;
 
   // ---- stepping
-  /// Advances everything by dt seconds in as many sub-steps as accuracy needs. Never throws: see
-  /// StepReport::flags.
-  StepReport step(double dt);
+  /// Advances everything by dt seconds in as many sub-steps as accuracy needs, or by as much of it as the
+  /// budget is enough for. Never throws: see StepReport::flags.
+  StepReport step(double dt, const WorkBudget& budget = {});
   double time() const;  ///< s simulated so far
 
   // ---- bodies: the host's side

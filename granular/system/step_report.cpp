@@ -46,6 +46,8 @@ std::string describe(StepFlag set) {
       {StepFlag::FixedSubStepTooLong,
        "A fixed sub-step was longer than a quarter of the shortest contact time: lower "
        "IntegratorDef.fixedSubStep. "},
+      {StepFlag::BudgetExhausted,
+       "The budget of work was used up and time was dropped: raise WorkBudget or ask for less. "},
       {StepFlag::BadStep, "dt was not finite or not > 0: nothing was done. "},
   };
   std::string text;

@@ -37,6 +37,8 @@ enum class StepFlag : std::uint32_t {
   /// A fixed sub-step was longer than a quarter of a contact time, near which packings begin to gain energy:
   /// lower IntegratorDef::fixedSubStep
   FixedSubStepTooLong = 1u << 6,
+  BudgetExhausted =
+      1u << 7,  ///< StepReport::droppedTime was not simulated: raise WorkBudget, or ask for less
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) {
   return static_cast<StepFlag>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -58,7 +60,8 @@ struct Energy {
 
 struct StepReport {
   StepFlag flags = StepFlag::None;
-  double time = 0.0;  ///< simulated time at the end of the step, s
+  double time = 0.0;         ///< simulated time at the end of the step, s
+  double droppedTime = 0.0;  ///< asked for and not simulated, as the budget was used up, s
 
   // Work of the integrator in this step.
   std::int64_t subSteps = 0;  ///< accepted

@@ -43,7 +43,7 @@ struct EvaluationSummary {
 
 class Evaluation {
  public:
-  explicit Evaluation(int threads) : executor_(threads), kernels_(&contactKernels()) {}
+  Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
 
   /// Takes a new layout. Everything kept is thrown away.
   void reset(const std::vector<MaterialPair>& materialPairs, const std::vector<MaterialDef>& materials);

@@ -2,6 +2,7 @@
 // What a GranularSystem holds: what the host added, the state it is in, and the stages of its step.
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -62,7 +63,10 @@ struct BodyRecord {
 class GranularSystem::Impl {
  public:
   explicit Impl(const SystemDef& def)
-      : gravity(def.gravity), integrator(def.integrator), evaluation(def.threads), sleep(def.sleep) {
+      : gravity(def.gravity),
+        integrator(def.integrator),
+        evaluation(def.threads, def.executor),
+        sleep(def.sleep) {
     setStepper();
   }
 
@@ -102,7 +106,10 @@ class GranularSystem::Impl {
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;
   bool layoutIsOld = true;
-  double lastSubStep = 0.0;                // just accepted, s; 0 once its end has been evaluated
+  WorkBudget budget;                                  // of the present step,
+  std::int64_t evaluationsBefore = 0;                 // which began at this count
+  std::chrono::steady_clock::time_point stepBegan{};  // and moment
+  double lastSubStep = 0.0;                           // just accepted, s; 0 once its end has been evaluated
   bool startIsCurrent = false;             // the stepper's first stage is that of the present state,
   detail::EvaluationSummary startSummary;  // and this is what it saw
 
@@ -136,7 +143,8 @@ class GranularSystem::Impl {
   std::vector<MaterialPair> combineAllMaterials() const;
   void loadSurroundings();
   void loadState();
-  StepReport step(double dt);
+  StepReport step(double dt, const WorkBudget& allowed);
+  bool isBudgetSpent(const StepReport& report) const;
   double integrate(double dt, StepReport& report);
   double trialBound(const detail::EvaluationSummary& seen) const;
   double eventBound() const;

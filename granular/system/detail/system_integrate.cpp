@@ -204,11 +204,12 @@ void GranularSystem::Impl::acceptTrial(const Trial& trial, bool isLast, StepRepo
   if (trial.isSmallest && !isLast) report.flags = report.flags | StepFlag::SmallestSubStepReached;
 }
 
-/// Trials from 0 until dt, or until a state is accepted that is not finite or in which somebody wakes or
-/// falls asleep. Returns the time reached.
+/// Trials from 0 until dt, or until the budget is spent, a state is accepted that is not finite or in which
+/// somebody wakes or falls asleep. Returns the time reached.
 double GranularSystem::Impl::integrate(double dt, StepReport& report) {
   double t = 0.0;
   while (t < dt) {
+    if (isBudgetSpent(report)) return t;
     evaluateNow(t);
     if (sleepOrWake(partStart + t)) return t;
     report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);

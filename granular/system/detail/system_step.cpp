@@ -69,7 +69,13 @@ void GranularSystem::Impl::storeState(double dt) {
   loadSurroundings();
 }
 
-StepReport GranularSystem::Impl::step(double dt) {
+bool GranularSystem::Impl::isBudgetSpent(const StepReport& report) const {
+  if (report.subSteps == 0) return false;
+  return evaluation.evaluations - evaluationsBefore >= budget.evaluations ||
+         (std::isfinite(budget.seconds) && secondsSince(stepBegan) >= budget.seconds);
+}
+
+StepReport GranularSystem::Impl::step(double dt, const WorkBudget& allowed) {
   StepReport report;
   if (!(std::isfinite(dt) && dt > 0.0)) {
     report.flags = StepFlag::BadStep;
@@ -77,11 +83,15 @@ StepReport GranularSystem::Impl::step(double dt) {
     return report;
   }
   evaluation.stageSeconds.fill(0.0);
-  const std::int64_t evaluationsBefore = evaluation.evaluations, rebuildsBefore = evaluation.listRebuilds;
+  const std::int64_t rebuildsBefore = evaluation.listRebuilds;
+  evaluationsBefore = evaluation.evaluations;
+  budget = allowed;
+  stepBegan = Clock::now();
   for (BodyRecord& record : bodies) record.impulse = {};
   fellAsleep = woken = 0;
 
-  for (double done = 0.0; done < dt;) {
+  double done = 0.0;
+  while (done < dt && !isBudgetSpent(report)) {
     prepare();  // only when something was added, removed or moved by hand, woke or fell asleep
     partStart = time + done;
     const double part = integrate(dt - done, report);  // sub-steps                 sec. 3.4
@@ -89,7 +99,11 @@ StepReport GranularSystem::Impl::step(double dt) {
     quarantineNonFinite(report);  // one bad grain must not poison the pile
     done = part >= dt - done ? dt : done + part;
   }
-  time += dt;
+  time += done;
+  if (done < dt) {
+    report.flags = report.flags | StepFlag::BudgetExhausted;
+    report.droppedTime = dt - done;
+  }
   measure(report);
   report.evaluations = evaluation.evaluations - evaluationsBefore;
   report.listRebuilds = evaluation.listRebuilds - rebuildsBefore;
