@@ -84,6 +84,7 @@ struct CoveredBody {
 
   // Dynamic, within one tick.
   bool held = false;            ///< asleep: stands still in the core
+  bool sleepsInCore = false;    ///< held: because it sleeps there as well, and may be woken there
   btScalar sweepThreshold = 0;  ///< the program's continuous-collision threshold
   int flags = 0;                ///< the program's btRigidBodyFlags
   granular::Pose startPose;     ///< x0
@@ -217,6 +218,7 @@ class Layer {
   granular::RigidMotion correctedMotion(const CoveredBody& covered, double dt) const;
   void write(CoveredBody& covered, const granular::RigidMotion& core);
   void wake(CoveredBody& covered);
+  void wakeWithCore();
   bool isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const;
   bool isNearMovingBody(const CoveredBody& covered, double dt) const;
   double largestGrainRadius() const;

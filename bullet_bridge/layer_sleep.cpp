@@ -16,7 +16,8 @@ using granular::Vector3;
 /// A body stays awake while grains are near it: they are in none of Bullet's islands, so Bullet would let it
 /// hang in the air when they flow away. A sleeping one is woken by covered bodies that move near it (their
 /// particles may reach beyond the boxes by which Bullet makes islands) and when something covered is taken
-/// away or put elsewhere.
+/// away or put elsewhere. What sleeps in the core needs none of this: there it rests on what carries it, and
+/// wakes when it no longer does. Bullet may put it to sleep in its own time; it wakes with the core.
 void Layer::keepAwake(btScalar dt) {
   const bool anyDynamic = std::any_of(bodies_.begin(), bodies_.end(), [](const CoveredBody& covered) {
     return covered.make.motion == BodyMotion::Dynamic;
@@ -25,11 +26,22 @@ void Layer::keepAwake(btScalar dt) {
   const double grainRadius = largestGrainRadius();
   for (CoveredBody& covered : bodies_) {
     if (covered.make.motion != BodyMotion::Dynamic) continue;
+    const bool restsInCore = !system_.isAwake(covered.id);
     const bool asleep = covered.body->getActivationState() == ISLAND_SLEEPING;
-    if (wakeAll_ || isNearGrains(covered, grainRadius, dt) || (asleep && isNearMovingBody(covered, dt)))
+    if (wakeAll_ || (!restsInCore &&
+                     (isNearGrains(covered, grainRadius, dt) || (asleep && isNearMovingBody(covered, dt)))))
       wake(covered);
   }
   wakeAll_ = false;
+}
+
+/// After the core's step: what slept in both and was woken there has moved, and goes on awake.
+void Layer::wakeWithCore() {
+  for (CoveredBody& covered : bodies_) {
+    if (!covered.sleepsInCore || !system_.isAwake(covered.id)) continue;
+    covered.held = covered.sleepsInCore = false;
+    wake(covered);
+  }
 }
 
 bool Layer::isNearGrains(const CoveredBody& covered, double largestGrainRadius, double dt) const {

@@ -102,6 +102,7 @@ void Layer::step(btScalar dt) {
     if (covered.make.motion == BodyMotion::Dynamic) prepareDynamic(covered);
   }
   integrate(dt);
+  wakeWithCore();
 }
 
 /// As much of the tick as the budget of this stepSimulation is enough for. Bullet's solver sees what is left
@@ -130,12 +131,13 @@ void Layer::integrate(double dt) {
 void Layer::prepareDynamic(CoveredBody& covered) {
   const btRigidBody& body = *covered.body;
   covered.held = !body.isActive();
+  covered.sleepsInCore = body.getActivationState() == ISLAND_SLEEPING && !system_.isAwake(covered.id);
   RigidMotion motion = system_.bodyMotion(covered.id);
   covered.startPose = motion.pose;
   if (covered.held && !(motion.velocity.isZero(0.0) && motion.angularVelocity.isZero(0.0))) {
     system_.setBodyMotion(covered.id, {.pose = motion.pose});
   }
-  const BodySettings settings = settingsOf(covered, covered.held);
+  const BodySettings settings = settingsOf(covered, covered.held && !covered.sleepsInCore);
   if (!(settings == covered.settings) && isUsable(settings)) {
     system_.setBodyMass(covered.id, settings.mass, settings.principalInertia);
     system_.setBodyFactors(covered.id, settings.linearFactor, settings.angularFactor);

@@ -93,5 +93,100 @@ TEST(Sleep, EndsWithTheWholeImpulseWhenAnUncoveredBodyHits) {
   EXPECT_LT(velocityOf(rest.box).x(), -2.0);
 }
 
+/// A covered box on four cubes of sand on a smooth floor, after six seconds with sleep in the core: all of it
+/// has come to rest after a fraction of one, and Bullet takes two to put a body to sleep.
+struct BoxOnSand {
+  SandScene scene;
+  btRigidBody& floor = scene.body(0, scene.box(0.5, 0.1, 0.5), at(0, -0.1, 0));
+  btRigidBody& box = scene.body(0.2, scene.box(0.05, 0.02, 0.05), at(0, 0.06, 0));
+  std::vector<granular::GrainId> grains;
+
+  BoxOnSand() {
+    granular::GranularSystem& sand = scene.world->grains();
+    sand.setSleep({.enabled = true});
+    const granular::GrainShapeId cube = sand.addGrainShape(granular::cubeShape(0.01));
+    const granular::MaterialId stone = sand.addMaterial({});
+    for (int i = 0; i < 4; ++i) {
+      grains.push_back(
+          sand.addGrain({.shape = cube,
+                         .material = stone,
+                         .pose = {.position = {i % 2 ? 0.03 : -0.03, 0.02, i / 2 ? 0.03 : -0.03}}}));
+    }
+    scene.world->coverBody(floor, {.contact = bullet_bridge::SurfaceContact::Exact});
+    scene.world->coverBody(box);
+    run(scene, 64 * 6);
+  }
+  bool isAwakeInCore() { return scene.world->grains().isAwake(scene.world->bodyIdOf(box)); }
+};
+
+TEST(CoreSleep, OfABodyInSleepingSandIsBulletsToo) {
+  BoxOnSand rest;
+  EXPECT_FALSE(rest.isAwakeInCore());
+  EXPECT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  const Vector3 asleep = positionOf(rest.box);
+  EXPECT_NEAR(asleep.y(), 0.06, 0.002);
+  run(rest.scene, 64);
+  EXPECT_EQ(positionOf(rest.box), asleep);
+  EXPECT_FALSE(rest.isAwakeInCore()) << "Bullet's sleep disturbs the core's in nothing";
+  EXPECT_LE(rest.scene.world->lastStep().evaluations, 7) << "one trial of nothing, and the report";
+}
+
+TEST(CoreSleep, EndsInBulletWhenTheSandIsTakenAway) {
+  BoxOnSand rest;
+  ASSERT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  for (const granular::GrainId grain : rest.grains) rest.scene.world->grains().removeGrain(grain);
+  run(rest.scene, 64);
+  EXPECT_NEAR(positionOf(rest.box).y(), 0.02, 0.002) << "on the floor";
+}
+
+TEST(CoreSleep, EndsInBulletWhenAGrainHits) {
+  BoxOnSand rest;
+  ASSERT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  granular::GranularSystem& sand = rest.scene.world->grains();
+  granular::GrainDef def;
+  def.shape = sand.addGrainShape(granular::sphereShape(0.01));
+  def.material = sand.addMaterial({});
+  def.pose.position = {0.5, 0.065, 0};
+  def.velocity = {-10, 0, 0};
+  sand.addGrain(def);
+  const double before = positionOf(rest.box).x();
+  for (int i = 0; i < 4; ++i) {
+    run(rest.scene, 1);
+    const double seen = positionOf(rest.box).x();
+    const double moved = sand.bodyMotion(rest.scene.world->bodyIdOf(rest.box)).pose.position.x();
+    EXPECT_NEAR(seen, moved, 1e-6)
+        << "Bullet's body is where the core has it, also in the tick that wakes it";
+  }
+  EXPECT_TRUE(rest.box.isActive());
+  EXPECT_LT(positionOf(rest.box).x(), before - 0.001);
+}
+
+TEST(CoreSleep, EndsForWhatAPushedBodyTouches) {
+  BoxOnSand rest;
+  ASSERT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+  ASSERT_FALSE(rest.scene.world->grains().isAwake(rest.grains[0]));
+  const double before = positionOf(rest.box).x();
+  for (int i = 0; i < 8; ++i) {
+    rest.box.activate();
+    rest.box.applyCentralForce(vec(4, 0, 0));
+    run(rest.scene, 1);
+  }
+  EXPECT_GT(positionOf(rest.box).x(), before + 0.01) << "twice its weight, against friction";
+  EXPECT_TRUE(rest.scene.world->grains().isAwake(rest.grains[0]));
+}
+
+// Bullet's call without a push moves nothing, and both sleep on.
+TEST(CoreSleep, OutlastsActivationWithoutAForce) {
+  BoxOnSand rest;
+  const Vector3 before = positionOf(rest.box);
+  rest.box.activate();
+  run(rest.scene, 64);
+  EXPECT_TRUE(rest.box.isActive()) << "for two seconds";
+  EXPECT_FALSE(rest.isAwakeInCore());
+  EXPECT_EQ(positionOf(rest.box), before);
+  run(rest.scene, 64 * 2);
+  EXPECT_EQ(rest.box.getActivationState(), ISLAND_SLEEPING);
+}
+
 }  // namespace
 }  // namespace bridge_test
