@@ -98,13 +98,10 @@ PairLaw makePairLaw(const MaterialPair& pair, const PairSide& a, const PairSide&
   const bool ofBodies = a.isBody && b.isBody;
   // A plane has no size of its own: its layer is as deep as the other's, and it touches with all of it.
   const auto other = [](double own, double others) { return own > 0.0 ? own : others; };
-  NormalRequest request;
+  NormalRequest request = requestOf<double>(pair, ofBodies);
   request.contact = effectiveContact(a.contact, b.contact);
-  request.damping = pair.dampingOf(ofBodies);
-  request.speed = pair.def.restitutionSpeed;
   request.bodyLength = 0.5 * (other(a.bodyLength, b.bodyLength) + other(b.bodyLength, a.bodyLength));
   request.bodyArea = std::min(other(a.bodyArea, b.bodyArea), other(b.bodyArea, a.bodyArea));
-  request.def = pair.normalOf(ofBodies);
 
   PairLaw law;
   law.normalLaw = request.def.law;

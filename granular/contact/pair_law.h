@@ -28,6 +28,18 @@ struct MaterialPair {
   const NormalLawDef& normalOf(bool ofBodies) const { return ofBodies ? def.bodyNormal : def.normal; }
   double dampingOf(bool ofBodies) const { return ofBodies ? bodyDamping : damping; }
 };
+
+/// What the constants of a normal law are worked out from, but for the sizes and masses of the two.
+template <class Real>
+NormalRequestOf<Real> requestOf(const MaterialPair& pair, bool ofBodies) {
+  NormalRequestOf<Real> request;
+  request.contact.modulus = pair.modulus;
+  request.damping = pair.dampingOf(ofBodies);
+  request.speed = pair.def.restitutionSpeed;
+  request.def = pair.normalOf(ofBodies);
+  return request;
+}
+
 MaterialPair combineMaterials(const MaterialDef& a, const MaterialDef& b, const MaterialPairDef& def);
 
 /// One side of a pair: a round particle or an exact surface of a grain or a body.

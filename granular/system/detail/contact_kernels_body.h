@@ -246,11 +246,7 @@ template <class Normal, class Shear>
 template <class Normal, class Shear>
 void forcesOf(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies, const std::int32_t* which,
               std::int32_t count, Extremes& extremes) {
-  NormalRequestOf<Pack> request;
-  request.contact.modulus = pair.modulus;
-  request.damping = pair.dampingOf(ofBodies);
-  request.speed = pair.def.restitutionSpeed;
-  request.def = pair.normalOf(ofBodies);
+  NormalRequestOf<Pack> request = requestOf<Pack>(pair, ofBodies);
   PackExtremes packed;
   for (std::int32_t n = 0; n < count; n += kPackSize) {
     forcesOfPack<Normal, Shear>(arrays, pair, request, which + n, std::min(kPackSize, count - n), packed,

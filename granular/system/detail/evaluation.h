@@ -146,7 +146,10 @@ class Evaluation {
   bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
 
   template <class Normal, class Shear>
-  void forceOf(std::int32_t n, const Moment& at, const double* y, double* rate, Extremes& extremes);
+  void forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest& request, const Moment& at,
+               const double* y, double* rate, Extremes& extremes);
+  template <class Normal, class Shear>
+  PairLaw constantsOf(const Contact& contact, const MaterialPair& pair, NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
   struct PairRule {
     const MaterialPair* pair;

@@ -8,6 +8,7 @@
 
 #include "granular/contact/law_list.h"
 #include "granular/contact/pressed_patch.h"
+#include "granular/contact/shear_constants.h"
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
 
@@ -221,10 +222,38 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   return true;
 }
 
-/// The force of one contact.
+/// Constants of a contact that no kernel takes. Only laws by area are looked up: of the others too many
+/// differ, one for every radius.
 template <class Normal, class Shear>
-void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, double* rate,
-                         Extremes& extremes) {
+PairLaw Evaluation::constantsOf(const Contact& contact, const MaterialPair& pair,
+                                NormalRequest& request) const {
+  if constexpr (Normal::kByArea) {
+    return pairLaw(contact);
+  } else {
+    const bool onSurface = contact.slot2 >= layout_.particleCount;
+    const double radius1 = particles_[contact.slot1].radius;
+    double inverseRadius2 = 0.0;
+    if (!onSurface) {
+      inverseRadius2 = 1.0 / particles_[contact.slot2].radius;
+    } else if (const auto* ball =
+                   std::get_if<ExactSphere>(surfaces_[contact.slot2 - layout_.particleCount].shape)) {
+      inverseRadius2 = 1.0 / ball->radius;
+    }
+    const double inverseMass = owners_[layout_.placeOfSlot[contact.slot1]].inverseMass +
+                               owners_[layout_.placeOfSlot[contact.slot2]].inverseMass;
+    request.contact.mass = inverseMass > 0.0 ? 1.0 / inverseMass : 1.0;
+    request.contact.radius = 1.0 / (1.0 / radius1 + inverseRadius2);
+    PairLaw law;
+    law.normal = Normal::template constants<double>(request);
+    law.shear = shearConstants<Normal, double>(pair, law.normal, request.contact.mass, 1.0);
+    return law;
+  }
+}
+
+/// The force of one contact. request: all but sizes and masses.
+template <class Normal, class Shear>
+void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest& request, const Moment& at,
+                         const double* y, double* rate, Extremes& extremes) {
   const Contact& contact = contacts_[n];
   ContactGeometry g;
   if (!contactGeometry<Normal, Shear>(contact, g)) {
@@ -232,7 +261,7 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
     if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
     return;
   }
-  const PairLaw law = pairLaw(contact);
+  const PairLaw law = constantsOf<Normal, Shear>(contact, pair, request);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
   ContactMemory* memory = nullptr;
@@ -265,9 +294,13 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
 /// Contacts [begin, end), all under this rule.
 void Evaluation::forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at,
                                 const double* y, double* rate, Extremes& extremes) {
-  withNormalLaw(rule.pair->normalOf(rule.ofBodies).law, [&]<class Normal>(Normal) {
-    withShearLaw(rule.pair->def.shear.law, [&]<class Shear>(Shear) {
-      for (std::int32_t n = begin; n < end; ++n) forceOf<Normal, Shear>(n, at, y, rate, extremes);
+  const MaterialPair& pair = *rule.pair;
+  NormalRequest request = requestOf<double>(pair, rule.ofBodies);
+  withNormalLaw(request.def.law, [&]<class Normal>(Normal) {
+    withShearLaw(pair.def.shear.law, [&]<class Shear>(Shear) {
+      for (std::int32_t n = begin; n < end; ++n) {
+        forceOf<Normal, Shear>(n, pair, request, at, y, rate, extremes);
+      }
     });
   });
 }
