@@ -19,6 +19,8 @@ struct Moment {
   /// Runge-Kutta: 0. Splitting methods move the memory of contacts (Bell 2005, eq. 19) with the velocities
   /// that the evaluation sees, as they move poses.
   double memoryStep = 0.0;
+  /// Whether the rates of poses are asked for; else they may be left as they are.
+  bool poseRates = true;
 };
 
 /// One move of poses, and where momenta and memories of contacts stand for the evaluation that follows. All
@@ -34,7 +36,7 @@ class Equations {
  public:
   virtual ~Equations() = default;
 
-  /// One evaluation: rate = dy/dt. Fills all of rate, which has the size of y.
+  /// One evaluation: rate = dy/dt. Fills rate, which has the size of y.
   virtual void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) = 0;
 
   /// Poses move on by themselves, exactly where nothing pushes. Leaves in `to`, which has the size of y, a

@@ -11,7 +11,8 @@ struct HalfTurn {
 };
 
 /// cos(a) and sin(a) / a of a half angle by its square. Small ones, which are the rule, by the series to
-/// a^12: what is left out is below 1e-24. Factors in place of divisors: every grain is turned in every sub-step.
+/// a^12: what is left out is below 1e-24. Factors in place of divisors: every grain is turned in every
+/// sub-step.
 HalfTurn halfTurn(double squared) {
   const double x = squared;
   if (x > 0.01) {
@@ -19,10 +20,12 @@ HalfTurn halfTurn(double squared) {
     return {std::cos(angle), std::sin(angle) / angle};
   }
   constexpr auto over = [](double n) { return 1.0 / n; };
-  return {1 - x * (over(2) - x * (over(24) - x * (over(720) - x * (over(40320) - x * (over(3628800) -
-                                                                                     x * over(479001600)))))),
-          1 - x * (over(6) - x * (over(120) - x * (over(5040) - x * (over(362880) - x * (over(39916800) -
-                                                                                        x * over(6227020800)))))) };
+  return {
+      1 - x * (over(2) - x * (over(24) - x * (over(720) - x * (over(40320) -
+                                                               x * (over(3628800) - x * over(479001600)))))),
+      1 - x * (over(6) -
+               x * (over(120) -
+                    x * (over(5040) - x * (over(362880) - x * (over(39916800) - x * over(6227020800))))))};
 }
 
 /// A top as its rotations about its own axes see it.

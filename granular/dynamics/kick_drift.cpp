@@ -14,8 +14,9 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);
-  equations.evaluate({.time = t + h, .sinceTrial = h, .memoryStep = table_.memoryStep * h}, result_,
-                     lastRate_);
+  equations.evaluate(
+      {.time = t + h, .sinceTrial = h, .memoryStep = table_.memoryStep * h, .poseRates = needsPoseRates()},
+      result_, lastRate_);
   equations.kick(y, table_.first * h, firstRate_, table_.second * h, lastRate_, result_);
   if (table_.errorOrder == 0) return;
   error_.resize(equations.errorCount(y));

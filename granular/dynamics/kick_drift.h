@@ -61,6 +61,8 @@ class KickDrift final : public StepMethod {
   bool accept(double h) override;
   int errorOrder() const override { return table_.errorOrder; }
   double dampingLimit() const override { return table_.dampingLimit; }
+  bool needsPoseRates() const override { return table_.errorOrder > 0; }  // the estimate does
+  std::vector<std::vector<double>*> kept() override { return {&firstRate_, &rateBefore_}; }
 
  private:
   void forget() override { lengthBefore_ = 0.0; }

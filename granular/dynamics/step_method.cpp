@@ -9,7 +9,9 @@ namespace granular {
 void StepMethod::start(Equations& equations, const Moment& at, const std::vector<double>& y) {
   forget();
   firstRate_.resize(y.size());
-  equations.evaluate(at, y, firstRate_);
+  Moment moment = at;
+  moment.poseRates = needsPoseRates();
+  equations.evaluate(moment, y, firstRate_);
 }
 
 std::unique_ptr<StepMethod> makeStepMethod(Stepper stepper) {

@@ -32,6 +32,11 @@ class StepMethod {
   /// Largest product of a rate of damping and the step that it bears.
   virtual double dampingLimit() const = 0;
 
+  /// Whether its trials read the rates of poses.
+  virtual bool needsPoseRates() const { return true; }
+  /// What it keeps from one trial to the next, in the order of the state: for whoever puts that into another.
+  virtual std::vector<std::vector<double>*> kept() { return {&firstRate_}; }
+
   std::vector<double>& firstRate() { return firstRate_; }
   std::vector<double>& result() { return result_; }            ///< state at t + h
   const std::vector<double>& error() const { return error_; }  ///< of its leading numbers, same units

@@ -243,12 +243,26 @@ template <class Normal, class Shear>
   extremes.pushing += popcount(counts && result.normalForce != 0.0);
 }
 
+// So many contacts ahead the rows of the second side are asked for; those of the first lie in order.
+constexpr std::int32_t kContactsAhead = 12;
+
+void prefetchOther(const ContactArrays& arrays, std::int32_t slot) {
+  const char* owner = reinterpret_cast<const char*>(arrays.owners + arrays.placeOfSlot[slot]);
+  __builtin_prefetch(arrays.particles + slot);
+  __builtin_prefetch(owner);
+  __builtin_prefetch(owner + sizeof(OwnerRow) - 1);
+}
+
 template <class Normal, class Shear>
 void forcesOf(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies, const std::int32_t* which,
               std::int32_t count, Extremes& extremes) {
   NormalRequestOf<Pack> request = requestOf<Pack>(pair, ofBodies);
   PackExtremes packed;
   for (std::int32_t n = 0; n < count; n += kPackSize) {
+    for (std::int32_t ahead = n + kContactsAhead; ahead < std::min(count, n + kContactsAhead + kPackSize);
+         ++ahead) {
+      prefetchOther(arrays, arrays.contacts[which[ahead]].slot2);
+    }
     forcesOfPack<Normal, Shear>(arrays, pair, request, which + n, std::min(kPackSize, count - n), packed,
                                 extremes);
   }
@@ -258,26 +272,34 @@ void forcesOf(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodi
 
 std::int32_t findContacts(const ContactArrays& arrays, std::int32_t row, std::int32_t end, std::int32_t& n) {
   const Four plusOrMinus = {1.0, 1.0, 1.0, -1.0};
-  for (; row < end; ++row) {
-    const std::int32_t first = n, stop = arrays.rowStart[row + 1];
+  const ParticleRow* particles = arrays.particles;
+  const std::int32_t *rowStart = arrays.rowStart, *partner = arrays.partner;
+  Contact* contacts = arrays.contacts;
+  std::int32_t* contactOfCandidate = arrays.contactOfCandidate;
+  const std::int32_t particleCount = arrays.particleCount;
+  std::int32_t next = n;
+  bool hasSurfaces = false;
+  for (; row < end && !hasSurfaces; ++row) {
+    const std::int32_t first = next, begin = rowStart[row];
+    std::int32_t stop = rowStart[row + 1];
+    while (stop > begin && partner[stop - 1] >= particleCount) --stop;  // surfaces come last in a row
+    hasSurfaces = stop < rowStart[row + 1];
     // (x1, y1, z1, -R1), so that one difference gives the way between centres and the sum of radii.
-    const Four a = plusOrMinus * loadFour(&arrays.particles[row].x);
-    for (std::int32_t c = arrays.rowStart[row]; c < stop; ++c) {
-      const std::int32_t other = arrays.partner[c];
-      if (other >= arrays.particleCount) {  // surfaces come last in a row
-        arrays.contactsOfRow[row] = {first, n};
-        return row + 1;
-      }
-      const Four d = loadFour(&arrays.particles[other].x) - a;
+    const Four a = plusOrMinus * loadFour(&particles[row].x);
+    for (std::int32_t c = begin; c < stop; ++c) {
+      const std::int32_t other = partner[c];
+      const Four d = loadFour(&particles[other].x) - a;
       const Four q = d * d;
-      const bool touches = q[0] + q[1] + q[2] < q[3];
-      arrays.contacts[n] = {row, other, c};  // overwritten unless it counts
-      arrays.contactOfCandidate[c] = touches ? n : -1;
-      n += touches;
+      // No branch: half of the candidates touch, and no processor guesses which.
+      const std::int32_t touches = q[0] + q[1] + q[2] < q[3];
+      contacts[next] = {row, other, c};  // overwritten unless it counts
+      contactOfCandidate[c] = next | (touches - 1);
+      next += touches;
     }
-    arrays.contactsOfRow[row] = {first, n};
+    arrays.contactsOfRow[row] = {first, next};
   }
-  return end;
+  n = next;
+  return row;
 }
 
 /// arm x F and nothing in the fourth place, all finite.
@@ -286,44 +308,78 @@ Four crossOf(const Four& a, const Four& b) {
          __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
 }
 
-/// Of one patch. Fours: force and heat; torque.
-[[gnu::flatten]] void sumPatch(const ContactArrays& arrays, std::int32_t patch) {
-  const Four center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data());
-  Four force = {}, torque = {};
-  const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
-  for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
-    const ContactRange own = arrays.contactsOfRow[slot];
-    for (std::int32_t n = own.first; n < own.last; ++n) {
-      const Four f = loadFour(arrays.forces[n].force.data());
-      force += f;
-      torque += crossOf(loadFour(arrays.forces[n].point.data()) - center, f);
-    }
-  }
-  const double dissipation = force[3];
-  // Those that touch first, side by side: so that reading many of them can begin at once.
-  const std::int32_t last = arrays.incidenceStart[patch + 1];
-  constexpr std::int32_t kAtOnce = 64;
-  std::array<std::int32_t, kAtOnce> touching;
-  for (std::int32_t begin = arrays.incidenceStart[patch]; begin < last; begin += kAtOnce) {
-    std::int32_t count = 0;
-    for (std::int32_t k = begin; k < std::min(last, begin + kAtOnce); ++k) {
-      touching[count] = arrays.contactOfCandidate[arrays.incidenceEntries[k]];
-      count += touching[count] >= 0;
-    }
-    for (std::int32_t k = 0; k < count; ++k) {
-      const ContactForce& contact = arrays.forces[touching[k]];
-      const Four f = loadFour(contact.force.data());
-      force -= f;
-      torque -= crossOf(loadFour(contact.point.data()) - center, f);
-    }
-  }
-  force[3] = dissipation;
-  storeFour(force, arrays.wrenches[patch].force.data());
-  storeFour(torque, arrays.wrenches[patch].torque.data());
-}
+/// What a patch bears. Fours: force and heat; torque.
+struct PatchSum {
+  Four center, force = {}, torque = {};
 
-void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
-  for (std::int32_t patch = begin; patch < end; ++patch) sumPatch(arrays, patch);
+  void add(const ContactForce& contact) {
+    const Four f = loadFour(contact.force.data());
+    force += f;
+    torque += crossOf(loadFour(contact.point.data()) - center, f);
+  }
+  void subtract(const ContactForce& contact) {
+    const Four f = loadFour(contact.force.data());
+    force -= f;
+    torque -= crossOf(loadFour(contact.point.data()) - center, f);
+  }
+};
+
+/// Contacts among the candidates of some entries, side by side, so that reading all of their forces can begin
+/// before the first is added.
+struct TouchingEntries {
+  static constexpr std::int32_t kMost = 256;
+  std::array<std::int32_t, kMost + 1> contacts, before;  // before an entry, so many touch
+
+  /// Entries [first, last), kMost at most.
+  void collect(const ContactArrays& arrays, std::int32_t first, std::int32_t last) {
+    const std::int32_t* contactOfCandidate = arrays.contactOfCandidate;
+    const std::int32_t* entries = arrays.incidenceEntries;
+    std::int32_t count = 0;
+    for (std::int32_t k = first; k < last; ++k) {
+      const std::int32_t n = contactOfCandidate[entries[k]];
+      before[k - first] = count;
+      contacts[count] = n;
+      count += n >= 0;
+      __builtin_prefetch(arrays.forces + std::max(n, 0));
+    }
+    before[last - first] = count;
+  }
+};
+
+/// Of some patches in a row: first the contacts in their own rows, then those in the rows of others.
+[[gnu::flatten]] void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
+  TouchingEntries touching;
+  for (std::int32_t patch = begin; patch < end;) {
+    const std::int32_t first = arrays.incidenceStart[patch];
+    std::int32_t last =
+        patch + 1;  // of the patches whose entries are collected at once; the first may have more
+    while (last < end && arrays.incidenceStart[last + 1] - first <= TouchingEntries::kMost) ++last;
+    touching.collect(arrays, first, std::min(arrays.incidenceStart[last], first + TouchingEntries::kMost));
+    for (; patch < last; ++patch) {
+      PatchSum sum{.center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data())};
+      const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
+      for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
+        const ContactRange own = arrays.contactsOfRow[slot];
+        for (std::int32_t n = own.first; n < own.last; ++n) sum.add(arrays.forces[n]);
+      }
+      const double dissipation = sum.force[3];
+      std::int32_t from = arrays.incidenceStart[patch];
+      const std::int32_t to = arrays.incidenceStart[patch + 1];
+      const std::int32_t collected = std::min(to, first + TouchingEntries::kMost);
+      for (std::int32_t k = touching.before[from - first]; k < touching.before[collected - first]; ++k) {
+        sum.subtract(arrays.forces[touching.contacts[k]]);
+      }
+      for (from = collected; from < to; from += TouchingEntries::kMost) {
+        touching.collect(arrays, from, std::min(to, from + TouchingEntries::kMost));
+        for (std::int32_t k = 0; k < touching.before[std::min(to - from, TouchingEntries::kMost)]; ++k) {
+          sum.subtract(arrays.forces[touching.contacts[k]]);
+        }
+      }
+      sum.force[3] = dissipation;
+      storeFour(sum.force, arrays.wrenches[patch].force.data());
+      storeFour(sum.torque, arrays.wrenches[patch].torque.data());
+    }
+  }
 }
 
 template <class Normal, class Shear>

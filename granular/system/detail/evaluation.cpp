@@ -11,9 +11,6 @@ namespace {
 constexpr std::int32_t kOwnersPerPiece = 256;
 constexpr std::int32_t kPatchesPerPiece = 256;
 
-// How many places ahead the state of an owner is asked for: owners lie in another order than places.
-constexpr std::int32_t kPlacesAhead = 8;
-
 // Skin of the first candidate list in smallest radii; it adapts.
 constexpr double kFirstSkin = 0.3;
 // Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
@@ -44,7 +41,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
   list_.reset(layout_.particleCount, layout_.largestRadius, kFirstSkin * layout_.smallestRadius);
   listIsCurrent_ = false;
-  slotsAreSorted_ = false;
+  placesAreSorted_ = false;
   lawsByKind_ = layout_.kinds.size() <= kKindsInTable;
   noteLaws();
   if (lawsByKind_) makePairLaws();
@@ -94,10 +91,10 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
   placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
   updateCandidates();          // only when something has moved half a skin                 sec. 3.2
   const ContactArrays arrays = arraysAt(at, y, rate);
-  findContacts(arrays);                   // candidates -> pairs with overlap > 0           eq. 1
-  computeContactForces(arrays, y, rate);  // relative velocity, normal law, shear law       eqs. 2-19
-  sumWrenches(arrays);                    // by rank -> wrench of each grain and moving body    sec. 3.1
-  computeAccelerations(y, rate);          // gravity, loads, rigid-body equations of motion     sec. 3.4
+  findContacts(arrays);                         // candidates -> pairs with overlap > 0           eq. 1
+  computeContactForces(arrays, y, rate);        // relative velocity, normal law, shear law       eqs. 2-19
+  sumWrenches(arrays);                          // by rank -> wrench of each grain and moving body    sec. 3.1
+  computeAccelerations(y, at.poseRates, rate);  // gravity, loads, rigid-body equations of motion     sec. 3.4
 }
 
 /// What the kernels read and fill.
@@ -140,14 +137,6 @@ void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quate
   }
 }
 
-/// Asks for the numbers in y, a state or its rate, of an owner some places ahead.
-void Evaluation::prefetchState(std::int32_t place, const double* y) const {
-  if (place + kPlacesAhead >= layout_.dynamicCount()) return;
-  const double* own = y + layout_.ownerOfPlace[place + kPlacesAhead] * state::kSize;
-  __builtin_prefetch(own);
-  __builtin_prefetch(own + state::kVelocity);
-}
-
 /// Rows of the owner in this place, and how fast its fastest point may be, m/s.
 double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<double>& y) {
   const std::int32_t o = layout_.ownerOfPlace[place];
@@ -159,9 +148,9 @@ double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<d
     row.velocity = now.velocity;
     row.angularVelocity = now.angularVelocity;
   } else {
-    const double* own = y.data() + o * state::kSize;
+    const double* own = y.data() + place * std::size_t{state::kSize};
     row.velocity = vectorAt(own, state::kVelocity);
-    if (const double inverseInertia = layout_.sphereInverseInertia[o]; inverseInertia > 0.0) {
+    if (const double inverseInertia = layout_.sphereInverseInertia[place]; inverseInertia > 0.0) {
       row.center = vectorAt(own, state::kPosition);
       row.angularVelocity = inverseInertia * vectorAt(own, state::kAngularMomentum);
       ParticleRow& particle = particles_[layout_.slotOfPlace[place]];
@@ -186,10 +175,7 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   executor_.forPieces(pieces, [&](std::int32_t piece) {
     double move = 0.0, speed = 0.0;
     const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
-    for (std::int32_t place = begin; place < end; ++place) {
-      prefetchState(place, y.data());
-      speed = std::max(speed, placeMoving(place, t, y));
-    }
+    for (std::int32_t place = begin; place < end; ++place) speed = std::max(speed, placeMoving(place, t, y));
     if (compare) {
       const std::int32_t slots = layout_.slotOfPlace[end];
       for (std::int32_t slot = layout_.slotOfPlace[begin]; slot < slots; ++slot) {
@@ -219,18 +205,19 @@ void Evaluation::sumWrenches(const ContactArrays& arrays) {
 
 /// Rate of the owner in this place under what contacts do to it.
 void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
-                            std::vector<double>& rate) const {
+                            bool poseRates, std::vector<double>& rate) const {
   const std::int32_t o = layout_.ownerOfPlace[place];
   const OwnerRow& row = owners_[place];
-  const double* own = y.data() + o * state::kSize;
-  double* out = rate.data() + o * state::kSize;
-  vectorAt(out, state::kPosition) = row.velocity;
-  const double* q = own + state::kOrientation;
-  const Quaternion spin =
-      Quaternion(0.0, row.angularVelocity.x(), row.angularVelocity.y(), row.angularVelocity.z()) *
-      Quaternion(q[0], q[1], q[2], q[3]);
-  double* qDot = out + state::kOrientation;
-  qDot[0] = 0.5 * spin.w(), qDot[1] = 0.5 * spin.x(), qDot[2] = 0.5 * spin.y(), qDot[3] = 0.5 * spin.z();
+  double* out = rate.data() + place * std::size_t{state::kSize};
+  if (poseRates) {
+    vectorAt(out, state::kPosition) = row.velocity;
+    const double* q = y.data() + place * std::size_t{state::kSize} + state::kOrientation;
+    const Quaternion spin =
+        Quaternion(0.0, row.angularVelocity.x(), row.angularVelocity.y(), row.angularVelocity.z()) *
+        Quaternion(q[0], q[1], q[2], q[3]);
+    double* qDot = out + state::kOrientation;
+    qDot[0] = 0.5 * spin.w(), qDot[1] = 0.5 * spin.x(), qDot[2] = 0.5 * spin.y(), qDot[3] = 0.5 * spin.z();
+  }
   const std::int32_t body = o - layout_.dynamicGrains;  // negative for grains
   if (body < 0) {
     vectorAt(out, state::kVelocity) = row.inverseMass * contact.force + surroundings_.gravity;
@@ -260,14 +247,13 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vecto
   }
 }
 
-void Evaluation::computeAccelerations(const std::vector<double>& y, std::vector<double>& rate) {
+void Evaluation::computeAccelerations(const std::vector<double>& y, bool poseRates,
+                                      std::vector<double>& rate) {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeAccelerations)]);
   const std::int32_t moving = layout_.movingCount();
   executor_.forRanges(moving, kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (auto place = static_cast<std::int32_t>(begin); place < end; ++place) {
       const std::int32_t o = layout_.ownerOfPlace[place];
-      prefetchState(place, y.data());
-      prefetchState(place, rate.data());
       PatchWrench contact;
       for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1];
            ++patch) {
@@ -277,7 +263,7 @@ void Evaluation::computeAccelerations(const std::vector<double>& y, std::vector<
       }
       heatOfOwner_[o] = contact.dissipation;
       if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);
-      if (o < layout_.dynamicCount()) accelerate(place, contact, y, rate);
+      if (o < layout_.dynamicCount()) accelerate(place, contact, y, poseRates, rate);
     }
   });
   double heat = 0.0;

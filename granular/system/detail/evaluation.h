@@ -70,6 +70,12 @@ class Evaluation {
   /// they pull.
   void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
 
+  /// Whether owners have moved so far through memory's order that a new one pays.
+  bool isSortDue() const;
+  /// Places of dynamic owners follow the cells that the state y says. Returns, for every place, which one its
+  /// owner had before: y and what goes with it lie in that order still.
+  std::vector<std::int32_t> sortPlaces(const std::vector<double>& y);
+
   /// After the first evaluation of an accepted state: contacts that began are remembered from now on, those
   /// that ended are forgotten, springs give way to the Coulomb limit. Grows or shrinks y and its rate.
   /// Nothing without laws 17, 19.
@@ -114,17 +120,15 @@ class Evaluation {
   void computeContactForces(const ContactArrays& arrays, const std::vector<double>& y,
                             std::vector<double>& rate);
   void sumWrenches(const ContactArrays& arrays);
-  void computeAccelerations(const std::vector<double>& y, std::vector<double>& rate);
+  void computeAccelerations(const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
 
   void layRows();
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
-  void prefetchState(std::int32_t place, const double* y) const;
   double placeMoving(std::int32_t place, double t, const std::vector<double>& y);
   void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
-                  std::vector<double>& rate) const;
+                  bool poseRates, std::vector<double>& rate) const;
   void tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const;
   void adaptSkin();
-  void sortSlots();
   void rebuildCandidates();
   ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
   void makePairLaws();
@@ -148,8 +152,11 @@ class Evaluation {
   template <class Normal, class Shear>
   void forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest& request, const Moment& at,
                const double* y, double* rate, Extremes& extremes);
-  template <class Normal, class Shear>
-  PairLaw constantsOf(const Contact& contact, const MaterialPair& pair, NormalRequest& request) const;
+  template <class Normal>
+  NormalConstants normalConstants(const Contact& contact, NormalRequest& request) const;
+  template <class Normal>
+  ShearConstants shearConstantsOf(const Contact& contact, const MaterialPair& pair,
+                                  const NormalConstants& normal, const NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
   struct PairRule {
     const MaterialPair* pair;
@@ -187,7 +194,7 @@ class Evaluation {
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
   std::int64_t evaluationsAtRebuild_ = 0;
-  bool slotsAreSorted_ = false;
+  bool placesAreSorted_ = false;
   double largestMoveSquared_ = 0.0;
 
   bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): made where one is asked for

@@ -10,7 +10,7 @@
 namespace granular::detail {
 namespace {
 
-// List rebuilds between two sortings of the slots by cell: grains travel a few radii in that time.
+// List rebuilds between two sortings of the places by cell: grains travel a few radii in that time.
 constexpr std::int64_t kRebuildsPerSort = 200;
 
 // Evaluations that a list should last: a rebuild costs as much as some ten of them.
@@ -44,7 +44,6 @@ void Evaluation::updateCandidates() {
   const double halfSkin = 0.5 * list_.skin();
   if (listIsCurrent_ && largestMoveSquared_ <= halfSkin * halfSkin) return;
   adaptSkin();
-  if (!slotsAreSorted_ || ++rebuildsSinceSort_ > kRebuildsPerSort) sortSlots();
   rebuildCandidates();
 }
 
@@ -61,9 +60,14 @@ void Evaluation::adaptSkin() {
   if (skin != list_.skin()) list_.reset(layout_.particleCount, layout_.largestRadius, skin);
 }
 
-void Evaluation::sortSlots() {
-  slotsAreSorted_ = true;
+bool Evaluation::isSortDue() const {
+  return !placesAreSorted_ || rebuildsSinceSort_ > kRebuildsPerSort;
+}
+
+std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
+  placesAreSorted_ = true;
   rebuildsSinceSort_ = 0;
+  listIsCurrent_ = false;
   const std::int32_t dynamic = layout_.dynamicCount();
   // Cells of a few grains, walked in Z-order (Morton 1966): neighbours in space become neighbours in memory.
   const double edge = 4.0 * layout_.largestRadius;
@@ -78,9 +82,9 @@ void Evaluation::sortSlots() {
   std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(dynamic);
   for (std::int32_t o = 0; o < dynamic; ++o) {
     std::uint64_t key = 0;
+    const double* center = y.data() + layout_.stateOf(o) + state::kPosition;
     for (int axis = 0; axis < 3; ++axis) {
-      const double cell =
-          std::clamp(std::floor(rowOf(o).center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
+      const double cell = std::clamp(std::floor(center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
       key |= spread(static_cast<std::uint64_t>(cell)) << axis;
     }
     keyed[o] = {key, o};
@@ -96,12 +100,18 @@ void Evaluation::sortSlots() {
   for (std::int32_t rank = 0; rank < layout_.particleCount; ++rank) {
     particles_[layout_.slotOfRank[rank]] = before[slotBefore[rank]];
   }
-  for (std::int32_t o = 0; o < dynamic; ++o) rowOf(o) = ownersBefore[placeBefore[o]];
+  std::vector<std::int32_t> from(dynamic);
+  for (std::int32_t place = 0; place < dynamic; ++place) {
+    from[place] = placeBefore[layout_.ownerOfPlace[place]];
+    owners_[place] = ownersBefore[from[place]];
+  }
   list_.reset(layout_.particleCount, layout_.largestRadius, list_.skin());
+  return from;
 }
 
 void Evaluation::rebuildCandidates() {
   ++listRebuilds;
+  ++rebuildsSinceSort_;
   const SearchInput input{.particles = particles_,
                           .surfaces = surfaces_,
                           .owner = layout_.ownerOfSlot,

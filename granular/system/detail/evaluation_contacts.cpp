@@ -222,13 +222,12 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   return true;
 }
 
-/// Constants of a contact that no kernel takes. Only laws by area are looked up: of the others too many
-/// differ, one for every radius.
-template <class Normal, class Shear>
-PairLaw Evaluation::constantsOf(const Contact& contact, const MaterialPair& pair,
-                                NormalRequest& request) const {
+/// The law's constants for one contact. Those of laws by area are looked up; of others too many differ, one
+/// for every radius. request: all but sizes and masses, which are put in.
+template <class Normal>
+NormalConstants Evaluation::normalConstants(const Contact& contact, NormalRequest& request) const {
   if constexpr (Normal::kByArea) {
-    return pairLaw(contact);
+    return pairLaw(contact).normal;
   } else {
     const bool onSurface = contact.slot2 >= layout_.particleCount;
     const double radius1 = particles_[contact.slot1].radius;
@@ -243,10 +242,19 @@ PairLaw Evaluation::constantsOf(const Contact& contact, const MaterialPair& pair
                                owners_[layout_.placeOfSlot[contact.slot2]].inverseMass;
     request.contact.mass = inverseMass > 0.0 ? 1.0 / inverseMass : 1.0;
     request.contact.radius = 1.0 / (1.0 / radius1 + inverseRadius2);
-    PairLaw law;
-    law.normal = Normal::template constants<double>(request);
-    law.shear = shearConstants<Normal, double>(pair, law.normal, request.contact.mass, 1.0);
-    return law;
+    return Normal::template constants<double>(request);
+  }
+}
+
+/// The same of the shear law; normal, request: as normalConstants left them.
+template <class Normal>
+ShearConstants Evaluation::shearConstantsOf(const Contact& contact, const MaterialPair& pair,
+                                            const NormalConstants& normal,
+                                            const NormalRequest& request) const {
+  if constexpr (Normal::kByArea) {
+    return pairLaw(contact).shear;
+  } else {
+    return shearConstants<Normal, double>(pair, normal, request.contact.mass, 1.0);
   }
 }
 
@@ -261,7 +269,8 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
     if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
     return;
   }
-  const PairLaw law = constantsOf<Normal, Shear>(contact, pair, request);
+  const NormalConstants normal = normalConstants<Normal>(contact, request);
+  const ShearConstants shear = shearConstantsOf<Normal>(contact, pair, normal, request);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
   ContactMemory* memory = nullptr;
@@ -276,18 +285,18 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
       g.memoryStep = at.memoryStep;
     } else if (g.isNew = true;
                xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(law.shear)) *
+      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(shear)) *
           (g.V - xiDot * g.N);
     }
   }
-  const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, memory);
+  const ContactResult result = contactResult<Normal, Shear>(normal, shear, g, D, memory);
   if constexpr (Shear::kHasMemory) {
     if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
   }
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;
   extremes.pushing += result.normalForce != 0.0;
-  extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
+  extremes.urgency = std::max(extremes.urgency, Normal::urgency(normal, g.xi, xiDot));
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
 
@@ -360,12 +369,14 @@ double Evaluation::relativeOverlap(const Contact& contact, double overlap) const
 }
 
 double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& force) const {
-  const PairLaw law = pairLaw(contact);
-  return withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
-    if constexpr (!Normal::kByArea) return Normal::elasticEnergy(law.normal, force.overlap);
+  const PairRule rule = ruleOf(contact);
+  NormalRequest request = requestOf<double>(*rule.pair, rule.ofBodies);
+  return withNormalLaw(request.def.law, [&]<class Normal>(Normal) {
+    const NormalConstants constants = normalConstants<Normal>(contact, request);
+    if constexpr (!Normal::kByArea) return Normal::elasticEnergy(constants, force.overlap);
     ContactGeometry g;
     if (!contactGeometry<Normal, RegularisedCoulomb>(contact, g)) return 0.0;
-    return g.share * Normal::elasticEnergy(law.normal, std::sqrt(g.meanSquareOverlap));
+    return g.share * Normal::elasticEnergy(constants, std::sqrt(g.meanSquareOverlap));
   });
 }
 

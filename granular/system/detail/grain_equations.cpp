@@ -56,18 +56,19 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
                            std::vector<double>& to) {
   const Layout& layout = evaluation_.layout();
   executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t o = begin; o < end; ++o) {
-      const double *own = y.data() + o * state::kSize, *change = rate.data() + o * state::kSize;
-      double* out = to.data() + o * state::kSize;
-      const auto momentum = [&](int place, double kick) -> Vector3 {
-        return vectorAt(own, place) + kick * vectorAt(change, place);
+    for (std::int64_t place = begin; place < end; ++place) {
+      const double *own = y.data() + place * state::kSize, *change = rate.data() + place * state::kSize;
+      double* out = to.data() + place * state::kSize;
+      const auto momentum = [&](int at, double kick) -> Vector3 {
+        return vectorAt(own, at) + kick * vectorAt(change, at);
       };
       vectorAt(out, state::kPosition) =
           vectorAt(own, state::kPosition) + drift.time * momentum(state::kVelocity, drift.poseKick);
       const Vector3 L = momentum(state::kAngularMomentum, drift.poseKick);
-      const double ofSphere = layout.sphereInverseInertia[o];
+      const double ofSphere = layout.sphereInverseInertia[place];
       writeQuaternion(ofSphere > 0.0 ? (turnBy(drift.time * ofSphere * L) * readQuaternion(own)).normalized()
-                                     : turned(layout.owners[o], readQuaternion(own), L, drift.time),
+                                     : turned(layout.owners[layout.ownerOfPlace[place]], readQuaternion(own),
+                                              L, drift.time),
                       out);
       vectorAt(out, state::kVelocity) = momentum(state::kVelocity, drift.kick);
       vectorAt(out, state::kAngularMomentum) = momentum(state::kAngularMomentum, drift.kick);
@@ -82,8 +83,8 @@ void GrainEquations::kick(const std::vector<double>& y, double first, const std:
   const std::size_t owners = evaluation_.layout().dynamicCount();
   executor().forRanges(owners, kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
     static_assert(state::kAngularMomentum == state::kVelocity + 3);
-    for (std::int64_t o = begin; o < end; ++o) {
-      const std::size_t at = o * state::kSize + state::kVelocity;
+    for (std::int64_t place = begin; place < end; ++place) {
+      const std::size_t at = place * state::kSize + state::kVelocity;
       for (std::size_t i = at; i < at + 6; ++i) sum(i);
     }
   });
@@ -93,10 +94,10 @@ void GrainEquations::kick(const std::vector<double>& y, double first, const std:
 void GrainEquations::finish(const std::vector<double>& y, double h, std::vector<double>& to) {
   const Layout& layout = evaluation_.layout();
   executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t o = begin; o < end; ++o) {
-      const Owner& owner = layout.owners[o];
-      const double* own = y.data() + o * state::kSize;
-      double* out = to.data() + o * state::kSize;
+    for (std::int64_t place = begin; place < end; ++place) {
+      const Owner& owner = layout.owners[layout.ownerOfPlace[place]];
+      const double* own = y.data() + place * state::kSize;
+      double* out = to.data() + place * state::kSize;
       const Vector3 L = vectorAt(own, state::kAngularMomentum);
       if (owner.isotropic && !owner.isLocked && L == vectorAt(out, state::kAngularMomentum)) {
         writeQuaternion(freelyTurned(readQuaternion(own), L, owner.inverseInertia, h), out);

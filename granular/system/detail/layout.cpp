@@ -29,7 +29,6 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
   particleCount = dynamicParticles = movingParticles = patchCount = 0;
   ownerOfSurface.clear();
   overhang.clear();
-  sphereInverseInertia.clear();
   rules = {};
   bool everythingMeets = true;
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
@@ -47,7 +46,6 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
     }
     if (owner.exact != nullptr) ownerOfSurface.push_back(o);
     overhang.push_back(overhangOf(owner));
-    sphereInverseInertia.push_back(owner.isSphere && owner.isotropic ? owner.inverseInertia.x() : 0.0);
     everythingMeets &=
         owner.filter.group == ContactFilter{}.group && owner.filter.mask == ContactFilter{}.mask;
   }
@@ -160,11 +158,13 @@ void Layout::assignSlots(std::vector<std::int32_t> order) {
   slotOfPatch.clear();
   slotOfPlace.clear();
   patchOfPlace.clear();
+  sphereInverseInertia.clear();
   std::int32_t slot = 0;
   for (std::int32_t place = 0; place < static_cast<std::int32_t>(owners.size()); ++place) {
     const std::int32_t o = ownerOfPlace[place];
     Owner& owner = owners[o];
     placeOfOwner[o] = place;
+    sphereInverseInertia.push_back(owner.isSphere && owner.isotropic ? owner.inverseInertia.x() : 0.0);
     slotOfPlace.push_back(slot);
     patchOfPlace.push_back(static_cast<std::int32_t>(placeOfPatch.size()));
     owner.firstSlot = slot;

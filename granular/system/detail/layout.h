@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How grains and bodies are laid out for one evaluation after another. Made anew when something is added,
-// removed or changes its kind; everything here is constant while time goes on, but the slots, which follow
-// the cells.
+// removed or changes its kind; everything here is constant while time goes on, but places and slots, which
+// follow the cells.
 //
 // Numbering. Owners: awake grains, awake dynamic bodies, kinematic bodies, static bodies, sleeping grains,
 // sleeping bodies; the first two, "dynamic" below, are in the integrator's state. Rank: a particle's place in
@@ -22,6 +22,20 @@
 #include "granular/system/granular_system.h"
 
 namespace granular::detail {
+
+/// Where one owner's numbers are in the integrator's state vector, in which dynamic owners lie by place.
+namespace state {
+inline constexpr int kPosition = 0;          ///< 3, m
+inline constexpr int kOrientation = 3;       ///< 4, quaternion w x y z
+inline constexpr int kVelocity = 7;          ///< 3, m/s
+inline constexpr int kAngularMomentum = 10;  ///< 3, kg m^2/s, world
+inline constexpr int kSize = 13;
+// After the owners: for each moving body what contacts did to it, and work; then the heat.
+inline constexpr int kImpulse = 0;         ///< 3, N s
+inline constexpr int kAngularImpulse = 3;  ///< 3, N m s
+inline constexpr int kWork = 6;            ///< by the load on a dynamic body; by the body where kinematic, J
+inline constexpr int kTallySize = 7;
+}  // namespace state
 
 struct Owner {
   OwnerKind kind = OwnerKind::Grain;
@@ -108,9 +122,13 @@ struct Layout {
   // Place: where an owner's row lies. Those of dynamic owners lie as their slots do, others by number.
   std::vector<std::int32_t> ownerOfPlace, placeOfOwner;
   std::vector<std::int32_t> slotOfPlace, patchOfPlace;  ///< the first ones; one entry more than owners
-  /// Of a grain that is one particle about its centre, 1/(kg m^2); 0 for what is no such grain. By owner: the
-  /// loops over single spheres read this in place of an Owner.
+  /// Of a grain that is one particle about its centre, 1/(kg m^2); 0 for what is no such grain. By place: the
+  /// loops over single spheres read this instead of an Owner.
   std::vector<double> sphereInverseInertia;
+  /// Where the numbers of a dynamic owner begin in the state vector.
+  std::size_t stateOf(std::int32_t owner) const {
+    return static_cast<std::size_t>(placeOfOwner[owner]) * state::kSize;
+  }
 
   std::vector<ParticleKind> kinds;
   std::vector<std::int32_t> kindOfRank;
@@ -129,19 +147,5 @@ struct Layout {
   void noteBodySurfaces();
   void findKinds();
 };
-
-/// Places of one owner's numbers in the integrator's state vector.
-namespace state {
-inline constexpr int kPosition = 0;          ///< 3, m
-inline constexpr int kOrientation = 3;       ///< 4, quaternion w x y z
-inline constexpr int kVelocity = 7;          ///< 3, m/s
-inline constexpr int kAngularMomentum = 10;  ///< 3, kg m^2/s, world
-inline constexpr int kSize = 13;
-// After the owners: for each moving body what contacts did to it, and work; then the heat.
-inline constexpr int kImpulse = 0;         ///< 3, N s
-inline constexpr int kAngularImpulse = 3;  ///< 3, N m s
-inline constexpr int kWork = 6;            ///< by the load on a dynamic body; by the body where kinematic, J
-inline constexpr int kTallySize = 7;
-}  // namespace state
 
 }  // namespace granular::detail

@@ -101,6 +101,7 @@ class GranularSystem::Impl {
   std::unique_ptr<StepMethod> stepper;
   StepControl control;
   std::vector<ErrorOfPiece> errorOfPiece;
+  std::vector<double> wayOfOwner;                             // error of the last trial, m
   std::optional<std::vector<RememberedContact>> givenMemory;  // comes in place of what the layout had
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
@@ -143,6 +144,7 @@ class GranularSystem::Impl {
   std::vector<MaterialPair> combineAllMaterials() const;
   void loadSurroundings();
   void loadState();
+  void sortState();
   StepReport step(double dt, const WorkBudget& allowed);
   bool isBudgetSpent(const StepReport& report) const;
   double integrate(double dt, StepReport& report);

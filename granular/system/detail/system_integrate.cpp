@@ -95,20 +95,29 @@ double GranularSystem::Impl::scaledError() {
   const detail::Layout& layout = evaluation.layout();
   if (stepper->errorOrder() == 0) return isResultFinite() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   const std::vector<double>& numbers = stepper->error();
+  wayOfOwner.resize(layout.dynamicCount());
+  evaluation.executor().forRanges(
+      layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t place = begin; place < end; ++place) {
+          const std::int32_t o = layout.ownerOfPlace[place];
+          const detail::Owner& owner = layout.owners[o];
+          const double* own = numbers.data() + place * state::kSize;
+          const auto size3 = [&](int at) { return Eigen::Map<const Vector3>(own + at).norm(); };
+          const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(own + state::kOrientation).norm();
+          const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
+          const double speed = size3(state::kVelocity) + spin * owner.reach;
+          wayOfOwner[o] = size3(state::kPosition) + turn * owner.reach;
+          raise(wayOfOwner[o], contactTimeAtReference * speed);
+        }
+      });
+  // Summed in the order of owners, which no sorting changes.
   const std::int32_t pieces = Executor::pieceCount(layout.dynamicCount(), kOwnersPerPiece);
   errorOfPiece.assign(pieces, {});
   evaluation.executor().forPieces(pieces, [&](std::int32_t piece) {
     const std::int32_t end = std::min(layout.dynamicCount(), (piece + 1) * kOwnersPerPiece);
     ErrorOfPiece& error = errorOfPiece[piece];
     for (std::int32_t o = piece * kOwnersPerPiece; o < end; ++o) {
-      const detail::Owner& owner = layout.owners[o];
-      const double* own = numbers.data() + o * state::kSize;
-      const auto size3 = [&](int place) { return Eigen::Map<const Vector3>(own + place).norm(); };
-      const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(own + state::kOrientation).norm();
-      const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
-      const double speed = size3(state::kVelocity) + spin * owner.reach;
-      double way = size3(state::kPosition) + turn * owner.reach;
-      raise(way, contactTimeAtReference * speed);
+      const double way = wayOfOwner[o];
       const bool isGrain = o < layout.dynamicGrains;
       raise(error.largest, isGrain ? way / kWorstGrain : way);
       if (isGrain) error.sumOfSquares += way * way;
@@ -213,6 +222,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     evaluateNow(t);
     if (sleepOrWake(partStart + t)) return t;
     report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
+    if (evaluation.isSortDue()) sortState();
     const Trial trial = planTrial(dt, dt - t, report);
     const double end = dt - t <= trial.length ? dt : t + trial.length;
     equations.beginTrial(startSummary);

@@ -52,6 +52,7 @@ void GranularSystem::Impl::prepare() {
   evaluation.reset(combineAllMaterials(), materials);
   contactTimeAtReference = evaluation.referenceContactTime();
   loadState();
+  sortState();
   evaluation.importMemory(memory, y);
   sumFrozen();
   layoutIsOld = false;
@@ -177,7 +178,7 @@ void GranularSystem::Impl::loadSurroundings() {
 }
 
 void GranularSystem::Impl::writeOwner(std::int32_t o, const RigidMotion& motion) {
-  double* own = y.data() + o * state::kSize;
+  double* own = y.data() + evaluation.layout().stateOf(o);
   const detail::Owner& owner = evaluation.layout().owners[o];
   const Quaternion& q = motion.pose.orientation;
   Eigen::Map<Vector3>(own + state::kPosition) = motion.pose.position;
@@ -191,7 +192,7 @@ void GranularSystem::Impl::writeOwner(std::int32_t o, const RigidMotion& motion)
 }
 
 RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
-  const double* own = y.data() + o * state::kSize;
+  const double* own = y.data() + evaluation.layout().stateOf(o);
   const detail::Owner& owner = evaluation.layout().owners[o];
   const double* q = own + state::kOrientation;
   RigidMotion motion;
@@ -203,6 +204,24 @@ RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
       owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * angularMomentum);
   if (owner.isLocked) motion.angularVelocity = owner.freeAxes.cwiseProduct(motion.angularVelocity);
   return motion;
+}
+
+/// Puts the state into the order in which owners lie in space, so that neighbours are neighbours in memory.
+/// Nothing that is computed depends on it. What contacts did at the last evaluation is lost.
+void GranularSystem::Impl::sortState() {
+  const std::vector<std::int32_t> from = evaluation.sortPlaces(y);
+  std::vector<std::vector<double>*> inOrder = stepper->kept();
+  inOrder.push_back(&y);
+  std::vector<double> before;
+  for (std::vector<double>* numbers : inOrder) {
+    if (numbers->size() < from.size() * state::kSize) continue;  // of another layout: nothing in it is read
+    before.assign(numbers->begin(),
+                  numbers->begin() + static_cast<std::ptrdiff_t>(from.size()) * state::kSize);
+    for (std::size_t place = 0; place < from.size(); ++place) {
+      std::copy_n(before.data() + from[place] * std::size_t{state::kSize}, state::kSize,
+                  numbers->data() + place * state::kSize);
+    }
+  }
 }
 
 void GranularSystem::Impl::loadState() {

@@ -280,7 +280,7 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
   for (std::int32_t o = 0; o < dynamic; ++o) {
     const detail::Owner& owner = layout.owners[o];
     const bool isGrain = owner.kind == OwnerKind::Grain;
-    const double* rate = stepper->firstRate().data() + o * state::kSize;
+    const double* rate = stepper->firstRate().data() + layout.stateOf(o);
     const Vector3 force = Eigen::Map<const Vector3>(rate + state::kVelocity) / owner.inverseMass;
     const Vector3 torque = Eigen::Map<const Vector3>(rate + state::kAngularMomentum);
     const Pose pose = readOwner(o).pose;
@@ -344,7 +344,7 @@ void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
     if (!quiet[o]) continue;
     const detail::Owner& owner = layout.owners[o];
-    double* own = y.data() + o * state::kSize;
+    double* own = y.data() + layout.stateOf(o);
     Eigen::Map<Vector3> velocity(own + state::kVelocity), angularMomentum(own + state::kAngularMomentum);
     const Vector3 momentum = velocity / owner.inverseMass;
     heat += 0.5 * momentum.dot(velocity) + 0.5 * readOwner(o).angularVelocity.dot(angularMomentum);

@@ -28,7 +28,7 @@ bool isFinite(const RigidMotion& m) {
 void GranularSystem::Impl::quarantineNonFinite(StepReport& report) {
   const detail::Layout& layout = evaluation.layout();
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
-    const Eigen::Map<const Eigen::Matrix<double, state::kSize, 1>> own(y.data() + o * state::kSize);
+    const Eigen::Map<const Eigen::Matrix<double, state::kSize, 1>> own(y.data() + layout.stateOf(o));
     if (own.allFinite()) continue;
     const std::int32_t index = layout.owners[o].index;
     if (layout.owners[o].kind == OwnerKind::Grain) {
@@ -47,7 +47,8 @@ void GranularSystem::Impl::quarantineNonFinite(StepReport& report) {
 void GranularSystem::Impl::storeState(double dt) {
   const detail::Layout& layout = evaluation.layout();
   evaluation.executor().forRanges(layout.dynamicCount(), 1024, [&](std::int64_t begin, std::int64_t end) {
-    for (auto o = static_cast<std::int32_t>(begin); o < end; ++o) {
+    for (std::int64_t place = begin; place < end; ++place) {
+      const std::int32_t o = layout.ownerOfPlace[place];
       const RigidMotion motion = readOwner(o);
       if (!isFinite(motion)) continue;  // keeps the last finite one
       const detail::Owner& owner = layout.owners[o];
@@ -131,7 +132,7 @@ void GranularSystem::Impl::measure(StepReport& report) {
 
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
     const detail::Owner& owner = layout.owners[o];
-    const double* own = y.data() + o * state::kSize;
+    const double* own = y.data() + layout.stateOf(o);
     const Eigen::Map<const Vector3> position(own + state::kPosition), velocity(own + state::kVelocity),
         angularMomentum(own + state::kAngularMomentum);
     const bool isGrain = owner.kind == OwnerKind::Grain;
