@@ -15,7 +15,7 @@
 namespace granular {
 
 /// A particle as search and contact test read it: one row of 32 bytes.
-struct ParticleRow {
+struct alignas(32) ParticleRow {
   double x, y, z;  ///< m, world
   double radius;   ///< m
 };

@@ -23,6 +23,7 @@ enum class Stage : std::uint8_t {
   Count
 };
 inline constexpr int kStageCount = static_cast<int>(Stage::Count);
+using StageSeconds = std::array<double, kStageCount>;
 const char* stageName(Stage stage);
 
 /// Things to know about a step, as bits. Each says which setting to change.
@@ -97,7 +98,7 @@ struct StepReport {
   std::int64_t woken = 0;        ///< the same
   std::int64_t quarantined = 0;  ///< grains taken out because their state was not finite, in this step
 
-  std::array<double, kStageCount> stageSeconds{};  ///< wall time, s
+  StageSeconds stageSeconds{};  ///< wall time, s
 };
 
 }  // namespace granular

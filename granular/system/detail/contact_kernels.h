@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The two loops that an evaluation spends its time in, in packs: which candidates overlap, and what contacts
-// between round particles do. They are compiled for several processors (contact_kernels_*.cpp), and the best
-// that this one has is taken when the program runs. Every lane does what a single number would: the same bits
-// on every processor.
+// The loops that an evaluation spends its time in, in packs: which candidates overlap, and what contacts
+// between round particles do, and what that adds up to. They are compiled for several processors
+// (contact_kernels_*.cpp), and the best that this one has is taken when the program runs. Every lane does
+// what a single number would: the same bits on every processor.
 #pragma once
 
 #include <array>
@@ -40,6 +40,7 @@ struct ContactArrays {
   double* displacementRates = nullptr;     ///< to be filled
   ContactMemory* contactMemory = nullptr;  ///< [contact], to be filled
   Moment at;
+  PatchWrench* rowWrenches = nullptr;  ///< [slot], to be filled by RowSumKernel: what its contacts do to it
   // Patches.
   const std::int32_t* placeOfPatch = nullptr;
   const std::int32_t* slotOfPatch = nullptr;     ///< one entry more than patches
@@ -57,12 +58,16 @@ using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row
 using ForceKernel = void (*)(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies,
                              const std::int32_t* which, std::int32_t count, Extremes& extremes);
 
-/// What touches patches [begin, end): first the contacts in its own rows, then those in the rows of others.
+/// Contacts of rows [begin, end) on the owners of those rows.
+using RowSumKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
+
+/// What touches patches [begin, end): the sums of its own rows, then contacts in the rows of others.
 using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
 
 struct ContactKernels {
   const char* processor;  ///< what it is for
   RowKernel findContacts;
+  RowSumKernel sumRows;
   WrenchKernel sumWrenches;
   std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount>
       forces;  ///< null for laws by area

@@ -5,6 +5,6 @@
 namespace granular::detail {
 
 extern const ContactKernels kAvx2Kernels;
-const ContactKernels kAvx2Kernels = {"avx2", findContacts, sumWrenches, allKernels(NormalLaws{})};
+const ContactKernels kAvx2Kernels = {"avx2", findContacts, sumRows, sumWrenches, allKernels(NormalLaws{})};
 
 }  // namespace granular::detail

@@ -5,6 +5,7 @@
 namespace granular::detail {
 
 extern const ContactKernels kBaselineKernels;
-const ContactKernels kBaselineKernels = {"baseline", findContacts, sumWrenches, allKernels(NormalLaws{})};
+const ContactKernels kBaselineKernels = {"baseline", findContacts, sumRows, sumWrenches,
+                                         allKernels(NormalLaws{})};
 
 }  // namespace granular::detail

@@ -308,26 +308,37 @@ Four crossOf(const Four& a, const Four& b) {
          __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
 }
 
-/// What a patch bears. Fours: force and heat; torque.
-struct PatchSum {
+/// What a row or patch bears. Fours: force and heat; torque.
+struct WrenchSum {
   Four center, force = {}, torque = {};
 
-  void add(const ContactForce& contact) {
-    const Four f = loadFour(contact.force.data());
-    force += f;
-    torque += crossOf(loadFour(contact.point.data()) - center, f);
+  Four torqueOf(const ContactForce& contact, const Four& f) const {
+    return crossOf(loadFour(contact.point.data()) - center, f);
   }
-  void subtract(const ContactForce& contact) {
-    const Four f = loadFour(contact.force.data());
-    force -= f;
-    torque -= crossOf(loadFour(contact.point.data()) - center, f);
+  void store(PatchWrench& to) const {
+    storeFour(force, to.force.data());
+    storeFour(torque, to.torque.data());
   }
 };
+
+[[gnu::flatten]] void sumRows(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
+  for (std::int32_t row = begin; row < end; ++row) {
+    WrenchSum sum{.center = loadFour(arrays.owners[arrays.placeOfSlot[row]].center.data())};
+    const ContactRange own = arrays.contactsOfRow[row];
+    for (std::int32_t n = own.first; n < own.last; ++n) {
+      const Four f = loadFour(arrays.forces[n].force.data());
+      sum.force += f;
+      sum.torque += sum.torqueOf(arrays.forces[n], f);
+    }
+    sum.store(arrays.rowWrenches[row]);
+  }
+}
 
 /// Contacts among the candidates of some entries, side by side, so that reading all of their forces can begin
 /// before the first is added.
 struct TouchingEntries {
   static constexpr std::int32_t kMost = 256;
+  static constexpr std::int32_t kEntriesAhead = 24;
   std::array<std::int32_t, kMost + 1> contacts, before;  // before an entry, so many touch
 
   /// Entries [first, last), kMost at most.
@@ -337,6 +348,7 @@ struct TouchingEntries {
     std::int32_t count = 0;
     for (std::int32_t k = first; k < last; ++k) {
       const std::int32_t n = contactOfCandidate[entries[k]];
+      __builtin_prefetch(contactOfCandidate + entries[std::min(k + kEntriesAhead, last - 1)]);
       before[k - first] = count;
       contacts[count] = n;
       count += n >= 0;
@@ -346,7 +358,6 @@ struct TouchingEntries {
   }
 };
 
-/// Of some patches in a row: first the contacts in their own rows, then those in the rows of others.
 [[gnu::flatten]] void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
   TouchingEntries touching;
   for (std::int32_t patch = begin; patch < end;) {
@@ -356,28 +367,31 @@ struct TouchingEntries {
     while (last < end && arrays.incidenceStart[last + 1] - first <= TouchingEntries::kMost) ++last;
     touching.collect(arrays, first, std::min(arrays.incidenceStart[last], first + TouchingEntries::kMost));
     for (; patch < last; ++patch) {
-      PatchSum sum{.center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data())};
+      WrenchSum sum{.center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data())};
       const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
       for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
-        const ContactRange own = arrays.contactsOfRow[slot];
-        for (std::int32_t n = own.first; n < own.last; ++n) sum.add(arrays.forces[n]);
+        sum.force += loadFour(arrays.rowWrenches[slot].force.data());
+        sum.torque += loadFour(arrays.rowWrenches[slot].torque.data());
       }
       const double dissipation = sum.force[3];
-      std::int32_t from = arrays.incidenceStart[patch];
-      const std::int32_t to = arrays.incidenceStart[patch + 1];
-      const std::int32_t collected = std::min(to, first + TouchingEntries::kMost);
-      for (std::int32_t k = touching.before[from - first]; k < touching.before[collected - first]; ++k) {
-        sum.subtract(arrays.forces[touching.contacts[k]]);
-      }
-      for (from = collected; from < to; from += TouchingEntries::kMost) {
-        touching.collect(arrays, from, std::min(to, from + TouchingEntries::kMost));
-        for (std::int32_t k = 0; k < touching.before[std::min(to - from, TouchingEntries::kMost)]; ++k) {
-          sum.subtract(arrays.forces[touching.contacts[k]]);
+      const auto subtract = [&](std::int32_t k, std::int32_t lastTouching) {
+        for (; k < lastTouching; ++k) {
+          const ContactForce& contact = arrays.forces[touching.contacts[k]];
+          const Four f = loadFour(contact.force.data());
+          sum.force -= f;
+          sum.torque -= sum.torqueOf(contact, f);
         }
+      };
+      const std::int32_t from = arrays.incidenceStart[patch], to = arrays.incidenceStart[patch + 1];
+      std::int32_t done = std::min(to, first + TouchingEntries::kMost);
+      subtract(touching.before[from - first], touching.before[done - first]);
+      for (; done < to; done += TouchingEntries::kMost) {  // of a patch with too many
+        const std::int32_t count = std::min(to - done, TouchingEntries::kMost);
+        touching.collect(arrays, done, done + count);
+        subtract(0, touching.before[count]);
       }
       sum.force[3] = dissipation;
-      storeFour(sum.force, arrays.wrenches[patch].force.data());
-      storeFour(sum.torque, arrays.wrenches[patch].torque.data());
+      sum.store(arrays.wrenches[patch]);
     }
   }
 }

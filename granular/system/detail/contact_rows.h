@@ -10,7 +10,7 @@
 namespace granular::detail {
 
 /// Where an owner is and how it moves. Rows lie in the order of places (Layout::placeOfOwner).
-struct OwnerRow {
+struct alignas(32) OwnerRow {
   Vector3 center = Vector3::Zero();  ///< m, world
   double inverseMass = 0.0;          ///< 1/kg; 0 unless dynamic
   Vector3 velocity = Vector3::Zero();
@@ -28,7 +28,7 @@ struct Contact {
 };
 
 /// What a contact does: one cache line.
-struct ContactForce {
+struct alignas(64) ContactForce {
   Vector3 force;       ///< on the owner of particle 1, N, world
   double dissipation;  ///< power turned into heat, W
   Vector3 point;       ///< where it acts, m, world
@@ -37,7 +37,7 @@ struct ContactForce {
 static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
-struct PatchWrench {
+struct alignas(64) PatchWrench {
   Vector3 force = Vector3::Zero();   ///< N, world
   double dissipation = 0.0;          ///< W, of contacts in the rows of its own particles
   Vector3 torque = Vector3::Zero();  ///< N m, world

@@ -9,7 +9,6 @@ namespace {
 
 // How much is handed to a thread at a time. Fixed, so that pieces are the same for any number of threads.
 constexpr std::int32_t kOwnersPerPiece = 256;
-constexpr std::int32_t kPatchesPerPiece = 256;
 
 // Skin of the first candidate list in smallest radii; it adapts.
 constexpr double kFirstSkin = 0.3;
@@ -39,6 +38,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
   memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
+  rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
   list_.reset(layout_.particleCount, layout_.largestRadius, kFirstSkin * layout_.smallestRadius);
   listIsCurrent_ = false;
   placesAreSorted_ = false;
@@ -91,10 +91,8 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
   placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
   updateCandidates();          // only when something has moved half a skin                 sec. 3.2
   const ContactArrays arrays = arraysAt(at, y, rate);
-  findContacts(arrays);                         // candidates -> pairs with overlap > 0           eq. 1
-  computeContactForces(arrays, y, rate);        // relative velocity, normal law, shear law       eqs. 2-19
-  sumWrenches(arrays);                          // by rank -> wrench of each grain and moving body    sec. 3.1
-  computeAccelerations(y, at.poseRates, rate);  // gravity, loads, rigid-body equations of motion     sec. 3.4
+  workOutContacts(arrays, y, rate);  // pairs with overlap > 0 and their forces             eqs. 1-19
+  moveOwners(arrays, y, rate);       // wrench of each grain and moving body; their motion  secs. 3.1, 3.4
 }
 
 /// What the kernels read and fill.
@@ -117,6 +115,7 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .displacementRates = rate.data() + stateSize(),
           .contactMemory = contactMemory_.data(),
           .at = at,
+          .rowWrenches = rowWrenches_.data(),
           .placeOfPatch = layout_.placeOfPatch.data(),
           .slotOfPatch = layout_.slotOfPatch.data(),
           .incidenceStart = incidence_.starts().data(),
@@ -196,13 +195,6 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
 }
 
-void Evaluation::sumWrenches(const ContactArrays& arrays) {
-  const StageTimer timer(stageSeconds[static_cast<int>(Stage::SumWrenches)]);
-  executor_.forRanges(layout_.patchCount, kPatchesPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    kernels_->sumWrenches(arrays, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
-  });
-}
-
 /// Rate of the owner in this place under what contacts do to it.
 void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
                             bool poseRates, std::vector<double>& rate) const {
@@ -247,24 +239,33 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vecto
   }
 }
 
-void Evaluation::computeAccelerations(const std::vector<double>& y, bool poseRates,
-                                      std::vector<double>& rate) {
-  const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeAccelerations)]);
-  const std::int32_t moving = layout_.movingCount();
-  executor_.forRanges(moving, kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (auto place = static_cast<std::int32_t>(begin); place < end; ++place) {
-      const std::int32_t o = layout_.ownerOfPlace[place];
-      PatchWrench contact;
-      for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1];
-           ++patch) {
-        contact.force += patchWrenches_[patch].force;
-        contact.torque += patchWrenches_[patch].torque;
-        contact.dissipation += patchWrenches_[patch].dissipation;
-      }
-      heatOfOwner_[o] = contact.dissipation;
-      if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);
-      if (o < layout_.dynamicCount()) accelerate(place, contact, y, poseRates, rate);
+/// Of the owners in places [begin, end): gravity, loads and contacts, whose sums are there.
+void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
+                                      bool poseRates, std::vector<double>& rate) {
+  for (std::int32_t place = begin; place < end; ++place) {
+    const std::int32_t o = layout_.ownerOfPlace[place];
+    PatchWrench contact;
+    for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1]; ++patch) {
+      contact.force += patchWrenches_[patch].force;
+      contact.torque += patchWrenches_[patch].torque;
+      contact.dissipation += patchWrenches_[patch].dissipation;
     }
+    heatOfOwner_[o] = contact.dissipation;
+    if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);
+    if (o < layout_.dynamicCount()) accelerate(place, contact, y, poseRates, rate);
+  }
+}
+
+/// By pieces of places: what all contacts do to a grain or moving body, and how that changes its motion.
+void Evaluation::moveOwners(const ContactArrays& arrays, const std::vector<double>& y,
+                            std::vector<double>& rate) {
+  const std::int32_t moving = layout_.movingCount();
+  forTimedPieces(Executor::pieceCount(moving, kOwnersPerPiece), [&](std::int32_t piece, PieceClock& clock) {
+    const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
+    kernels_->sumWrenches(arrays, layout_.patchOfPlace[begin], layout_.patchOfPlace[end]);
+    clock.done(Stage::SumWrenches);
+    computeAccelerations(begin, end, y, arrays.at.poseRates, rate);
+    clock.done(Stage::ComputeAccelerations);
   });
   double heat = 0.0;
   for (std::int32_t o = 0; o < moving; ++o) heat += heatOfOwner_[o];

@@ -18,6 +18,7 @@
 #include "granular/system/detail/contact_kernels.h"
 #include "granular/system/detail/contact_rows.h"
 #include "granular/system/detail/layout.h"
+#include "granular/system/detail/stage_tools.h"
 #include "granular/system/step_report.h"
 
 namespace granular::detail {
@@ -111,16 +112,21 @@ class Evaluation {
   // Counts and wall times since they were last cleared.
   std::int64_t evaluations = 0;
   std::int64_t listRebuilds = 0;
-  std::array<double, kStageCount> stageSeconds{};
+  StageSeconds stageSeconds{};
 
  private:
   void placeParticles(double t, const std::vector<double>& y);
   void updateCandidates();
-  void findContacts(const ContactArrays& arrays);
-  void computeContactForces(const ContactArrays& arrays, const std::vector<double>& y,
-                            std::vector<double>& rate);
-  void sumWrenches(const ContactArrays& arrays);
-  void computeAccelerations(const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
+  void workOutContacts(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
+  void findContacts(std::int32_t piece, const ContactArrays& arrays);
+  void computeContactForces(std::int32_t piece, const ContactArrays& arrays, const double* y, double* rate);
+  void sumUpExtremes();
+  void moveOwners(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
+  void computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
+                            bool poseRates, std::vector<double>& rate);
+  /// Runs body(piece, clock) for every piece; what the clocks say is shared out to the stages.
+  template <class Body>
+  void forTimedPieces(std::int32_t pieces, Body&& body);
 
   void layRows();
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
@@ -167,9 +173,9 @@ class Evaluation {
   PairRule ruleOf(const Contact& contact) const;
   PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies, bool ofParticles) const;
   std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
-  void forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays, const double* y,
-                     double* rate, Extremes& extremes);
-  void forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at,
+  void forcesOfRun(std::span<const std::int32_t> which, const PairRule& rule, const ContactArrays& arrays,
+                   const double* y, double* rate, Extremes& extremes);
+  void forcesOneByOne(std::span<const std::int32_t> which, const PairRule& rule, const Moment& at,
                       const double* y, double* rate, Extremes& extremes);
   template <class Normal, class Shear>
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
@@ -208,6 +214,8 @@ class Evaluation {
   std::vector<ContactRange> contactsOfRow_;       // by slot of particle 1
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
+  std::vector<StageSeconds> secondsInPiece_;
+  std::vector<PatchWrench> rowWrenches_;  // by dynamic slot
   std::vector<PatchWrench> patchWrenches_;
 
   std::vector<MemoryEntry> memory_;           // as contacts lie; entry m is at stateSize() + 3 m of y
@@ -224,6 +232,28 @@ class Evaluation {
   std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;
 };
+
+template <class Body>
+void Evaluation::forTimedPieces(std::int32_t pieces, Body&& body) {
+  double wall = 0.0;
+  {
+    const StageTimer timer(wall);
+    secondsInPiece_.assign(pieces, {});
+    executor_.forPieces(pieces, [&](std::int32_t piece) {
+      PieceClock clock(secondsInPiece_[piece]);
+      body(piece, clock);
+    });
+  }
+  StageSeconds sum{};
+  double all = 0.0;
+  for (const StageSeconds& seconds : secondsInPiece_) {
+    for (int s = 0; s < kStageCount; ++s) {
+      sum[s] += seconds[s];
+      all += seconds[s];
+    }
+  }
+  for (int s = 0; s < kStageCount && all > 0.0; ++s) stageSeconds[s] += sum[s] * (wall / all);
+}
 
 template <class Body>
 void Evaluation::forEachContact(Body&& body) const {

@@ -18,7 +18,7 @@ namespace {
 /// Line of centres for two particles in one place: any direction does, as long as it is always the same.
 const Vector3 kAnyDirection = Vector3::UnitY();
 
-constexpr std::int32_t kContactsPerCall = 256;  // handed to a kernel at a time, at most
+constexpr std::int32_t kContactsPerRun = 256;  // handed to a kernel at a time, at most
 
 }  // namespace
 
@@ -81,21 +81,16 @@ Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
   return ruleBetween(owner1.material, owner2.material, ofBodies, ofParticles);
 }
 
-void Evaluation::findContacts(const ContactArrays& arrays) {
-  const StageTimer timer(stageSeconds[static_cast<int>(Stage::FindContacts)]);
-  const std::int32_t rows = layout_.dynamicParticles;
-  const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
-  contactsInPiece_.assign(pieces, 0);
-  executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const std::int32_t begin = piece * kRowsPerPiece;
-    const std::int32_t end = std::min(rows, begin + kRowsPerPiece);
-    std::int32_t n = list_.rowStart()[begin];
-    for (std::int32_t row = begin; row < end;) {
-      row = kernels_->findContacts(arrays, row, end, n);
-      n = findSurfaceContacts(row - 1, n);
-    }
-    contactsInPiece_[piece] = n - list_.rowStart()[begin];
-  });
+/// Candidates of a piece of rows that overlap.
+void Evaluation::findContacts(std::int32_t piece, const ContactArrays& arrays) {
+  const std::int32_t begin = piece * kRowsPerPiece;
+  const std::int32_t end = std::min(layout_.dynamicParticles, begin + kRowsPerPiece);
+  std::int32_t n = list_.rowStart()[begin];
+  for (std::int32_t row = begin; row < end;) {
+    row = kernels_->findContacts(arrays, row, end, n);
+    n = findSurfaceContacts(row - 1, n);
+  }
+  contactsInPiece_[piece] = n - list_.rowStart()[begin];
 }
 
 /// Contacts of slot i on exact surfaces, numbered from n on. Returns the number behind them.
@@ -225,7 +220,8 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
 /// The law's constants for one contact. Those of laws by area are looked up; of others too many differ, one
 /// for every radius. request: all but sizes and masses, which are put in.
 template <class Normal>
-NormalConstants Evaluation::normalConstants(const Contact& contact, NormalRequest& request) const {
+[[gnu::always_inline]] inline NormalConstants Evaluation::normalConstants(const Contact& contact,
+                                                                          NormalRequest& request) const {
   if constexpr (Normal::kByArea) {
     return pairLaw(contact).normal;
   } else {
@@ -300,58 +296,58 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
 
-/// Contacts [begin, end), all under this rule.
-void Evaluation::forcesOneByOne(std::int32_t begin, std::int32_t end, const PairRule& rule, const Moment& at,
+/// These contacts, all under this rule.
+void Evaluation::forcesOneByOne(std::span<const std::int32_t> which, const PairRule& rule, const Moment& at,
                                 const double* y, double* rate, Extremes& extremes) {
   const MaterialPair& pair = *rule.pair;
   NormalRequest request = requestOf<double>(pair, rule.ofBodies);
   withNormalLaw(request.def.law, [&]<class Normal>(Normal) {
     withShearLaw(pair.def.shear.law, [&]<class Shear>(Shear) {
-      for (std::int32_t n = begin; n < end; ++n) {
-        forceOf<Normal, Shear>(n, pair, request, at, y, rate, extremes);
-      }
+      for (const std::int32_t n : which) forceOf<Normal, Shear>(n, pair, request, at, y, rate, extremes);
     });
   });
 }
 
-/// Contacts [begin, end) of one piece: kernels take those between particles in runs under one rule, the
-/// others wait and come one by one.
-void Evaluation::forcesOfPiece(std::int32_t begin, std::int32_t end, const ContactArrays& arrays,
-                               const double* y, double* rate, Extremes& extremes) {
-  std::array<std::int32_t, kContactsPerCall> which;
-  std::int32_t count = 0;
-  PairRule rule{};
-  const auto call = [&] {
-    if (count == 0) return;
-    const auto kernel = kernels_->forces[static_cast<int>(rule.pair->normalOf(rule.ofBodies).law)]
-                                        [static_cast<int>(rule.pair->def.shear.law)];
-    kernel(arrays, *rule.pair, rule.ofBodies, which.data(), count, extremes);
-    count = 0;
-  };
-  for (std::int32_t n = begin; n < end; ++n) {
-    const bool isSameRule = isUniform_ && count > 0 && contacts_[n].slot2 < layout_.particleCount;
-    const PairRule own = isSameRule ? rule : ruleOf(contacts_[n]);
-    if (!own.isPacked) {
-      forcesOneByOne(n, n + 1, own, arrays.at, y, rate, extremes);
-      continue;
-    }
-    if (own != rule || count == kContactsPerCall) call();
-    rule = own;
-    which[count++] = n;
-  }
-  call();
+/// These contacts, all under this rule: between particles by a kernel where there is one for the laws.
+void Evaluation::forcesOfRun(std::span<const std::int32_t> which, const PairRule& rule,
+                             const ContactArrays& arrays, const double* y, double* rate, Extremes& extremes) {
+  if (which.empty()) return;
+  if (!rule.isPacked) return forcesOneByOne(which, rule, arrays.at, y, rate, extremes);
+  const auto kernel = kernels_->forces[static_cast<int>(rule.pair->normalOf(rule.ofBodies).law)]
+                                      [static_cast<int>(rule.pair->def.shear.law)];
+  kernel(arrays, *rule.pair, rule.ofBodies, which.data(), static_cast<std::int32_t>(which.size()), extremes);
 }
 
-void Evaluation::computeContactForces(const ContactArrays& arrays, const std::vector<double>& y,
-                                      std::vector<double>& rate) {
-  const StageTimer timer(stageSeconds[static_cast<int>(Stage::ComputeContactForces)]);
-  const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
-  extremesInPiece_.assign(pieces, {});
-  if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
-  executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const ContactRange range = contactsOfPiece(piece);
-    forcesOfPiece(range.first, range.last, arrays, y.data(), rate.data(), extremesInPiece_[piece]);
-  });
+/// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
+void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& arrays, const double* y,
+                                      double* rate) {
+  struct Run {
+    PairRule rule{};
+    std::int32_t count = 0;
+    std::array<std::int32_t, kContactsPerRun> which;
+  };
+  Extremes& extremes = extremesInPiece_[piece];
+  extremes = {};
+  std::array<Run, 2> runs;  // of two particles; on surfaces
+  const auto finish = [&](Run& run) {
+    forcesOfRun(std::span(run.which).first(run.count), run.rule, arrays, y, rate, extremes);
+    run.count = 0;
+  };
+  const ContactRange range = contactsOfPiece(piece);
+  for (std::int32_t n = range.first; n < range.last; ++n) {
+    Run& run = runs[contacts_[n].slot2 >= layout_.particleCount];
+    if (run.count == kContactsPerRun) finish(run);
+    if (run.count == 0 || !isUniform_) {
+      const PairRule rule = ruleOf(contacts_[n]);
+      if (rule != run.rule) finish(run);
+      run.rule = rule;
+    }
+    run.which[run.count++] = n;
+  }
+  for (Run& run : runs) finish(run);
+}
+
+void Evaluation::sumUpExtremes() {
   summary_.urgency = summary_.largestOverlap = 0.0;
   summary_.contacts = summary_.pushing = 0;
   for (const Extremes& extremes : extremesInPiece_) {
@@ -360,6 +356,25 @@ void Evaluation::computeContactForces(const ContactArrays& arrays, const std::ve
     summary_.contacts += extremes.contacts;
     summary_.pushing += extremes.pushing;
   }
+}
+
+/// By pieces of rows, so that what one stage leaves is near when the next one wants it.
+void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<double>& y,
+                                 std::vector<double>& rate) {
+  if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
+  const std::int32_t rows = layout_.dynamicParticles;
+  const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
+  contactsInPiece_.resize(pieces);
+  extremesInPiece_.resize(pieces);
+  forTimedPieces(pieces, [&](std::int32_t piece, PieceClock& clock) {
+    findContacts(piece, arrays);  // candidates -> pairs with overlap > 0                  eq. 1
+    clock.done(Stage::FindContacts);
+    computeContactForces(piece, arrays, y.data(), rate.data());  // the laws               eqs. 2-19
+    clock.done(Stage::ComputeContactForces);
+    kernels_->sumRows(arrays, piece * kRowsPerPiece, std::min(rows, (piece + 1) * kRowsPerPiece));
+    clock.done(Stage::SumWrenches);
+  });
+  sumUpExtremes();
 }
 
 double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "granular/system/step_report.h"
+
 namespace granular::detail {
 
 /// Rows of the candidate list handed to a thread at a time. Fixed, so that pieces are the same for any number
-/// of threads.
-inline constexpr std::int32_t kRowsPerPiece = 512;
+/// of threads; so few that their contacts stay in the nearest cache from stage to stage.
+inline constexpr std::int32_t kRowsPerPiece = 128;
 
 /// Adds its own lifetime to a stage's wall time, s.
 class StageTimer {
@@ -25,6 +27,22 @@ class StageTimer {
  private:
   double& seconds_;
   std::chrono::steady_clock::time_point start_;
+};
+
+/// Shares the time that one piece of work takes out to the stages it goes through.
+class PieceClock {
+ public:
+  explicit PieceClock(StageSeconds& seconds) : seconds_(seconds), last_(std::chrono::steady_clock::now()) {}
+  /// What was done since the last call, or the beginning, belongs to this stage.
+  void done(Stage stage) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds_[static_cast<int>(stage)] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  StageSeconds& seconds_;
+  std::chrono::steady_clock::time_point last_;
 };
 
 /// Largest of the first `count` values, none < 0.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "granular/dynamics/runge_kutta.h"
 #include "granular/system/detail/system_impl.h"
@@ -79,9 +80,12 @@ bool GranularSystem::Impl::isResultFinite() {
   const double* result = stepper->result().data();
   errorOfPiece.assign(Executor::pieceCount(numbers, kPerPiece), {});
   evaluation.executor().forRanges(numbers, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    double sum = 0.0;  // 0 times what is not finite is a NaN
-    for (std::int64_t i = begin; i < end; ++i) sum += 0.0 * result[i];
-    errorOfPiece[begin / kPerPiece].largest = sum;
+    // 0 times what is not finite is a NaN. Several sums, which need not wait for one another.
+    std::array<double, 8> sums{};
+    for (std::int64_t i = begin; i < end; i += 8) {
+      for (std::int64_t k = 0; k < 8; ++k) sums[k] += 0.0 * result[std::min(i + k, end - 1)];
+    }
+    errorOfPiece[begin / kPerPiece].largest = std::accumulate(sums.begin(), sums.end(), 0.0);
   });
   return std::all_of(errorOfPiece.begin(), errorOfPiece.end(),
                      [](const ErrorOfPiece& piece) { return piece.largest == 0.0; });
