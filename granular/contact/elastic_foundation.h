@@ -64,7 +64,8 @@ struct ElasticFoundation {
             .kd = request.def.damping.value_or(request.damping / request.speed),
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr * request.bodyArea / request.contact.mass,
-            .fixedUrgency = urgencyOfContactTime(std::numbers::pi / frequency)};
+            .fixedUrgency = urgencyOfContactTime(std::numbers::pi / frequency),
+            .impactTime = std::numbers::pi / frequency};
   }
 };
 

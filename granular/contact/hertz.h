@@ -45,20 +45,22 @@ struct Hertz {
   static NormalConstantsOf<Real> constants(const NormalRequestOf<Real>& request) {
     const Real m = request.contact.mass;
     const Real kr = request.def.stiffness ? Real(*request.def.stiffness) : request.contact.hertzStiffness();
+    const double v = request.speed;
+    // One over the root of the depth (m v^2/kr)^(2/5) of an impact at v; one root serves all.
+    const Real r = inverseFifthRoot(Real(m * (v * v) / kr));
     return {.kr = kr,
             .kd = request.def.damping ? Real(*request.def.damping)
-                                      : dampingConstant(request.damping, kr, m, request.speed),
+                                      : dampingConstant(request.damping, kr, m, v, r),
             .smallestForce = request.smallestForce(),
-            .stiffnessPerMass = kr / m};
+            .stiffnessPerMass = kr / m,
+            .impactTime = kHertzTime / (r * r * v)};
   }
 
   /// kd from the dimensionless damping D: D m (kr/m)^(2/5 (alpha + 1)) v^((1 - 4 alpha)/5); v = the speed at
-  /// which the restitution shall hold, m/s.
+  /// which the restitution shall hold, m/s; r = (m v^2/kr)^(-1/5).
   template <class Real>
-  static Real dampingConstant(double D, const Real& kr, const Real& m, double v) {
+  static Real dampingConstant(double D, const Real& kr, const Real& m, double v, const Real& r) {
     if constexpr (AlphaTimesFour == 1) return D * sqrt(kr * m);
-    // One over the root of the depth (m v^2/kr)^(2/5) of an impact at v.
-    const Real r = inverseFifthRoot(Real(m * (v * v) / kr));
     return D * v * m * (AlphaTimesFour == 0 ? r * r : r * r * r);
   }
 };

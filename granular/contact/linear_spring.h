@@ -90,7 +90,8 @@ struct LinearSpring {
             .kd = kd,
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr / m,
-            .fixedUrgency = urgencyOfContactTime(contactTime)};
+            .fixedUrgency = urgencyOfContactTime(contactTime),
+            .impactTime = contactTime};
   }
 };
 

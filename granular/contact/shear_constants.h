@@ -21,7 +21,7 @@ ShearConstantsOf<Real> shearConstants(const MaterialPair& pair, const NormalCons
   const ShearLawDef& def = pair.def.shear;
   const double v = pair.def.restitutionSpeed;
   // Contact time of an impact at the reference speed, and the normal spring at half its deepest overlap.
-  const Real time = kHertzTime * sqrt(inverseFifthRoot(Normal::urgency(normal, Real(0.0), Real(v))));
+  const Real time = normal.impactTime;
   const Real stiffness = area * Normal::tangentStiffness(normal, Real(0.25 * v * time));
   // 2/7: tangential effective mass of solid spheres over m_eff. The default viscosity brings a sliding
   // contact to rest within one contact time, so that it asks for no shorter a sub-step than the normal law

@@ -38,7 +38,7 @@ struct ContactArrays {
   const MemoryEntry* memory = nullptr;
   const double* displacements = nullptr;   ///< three numbers an entry, m
   double* displacementRates = nullptr;     ///< to be filled
-  ContactMemory* contactMemory = nullptr;  ///< [contact], to be filled
+  SettledMemory* contactMemory = nullptr;  ///< [contact], to be filled
   Moment at;
   PatchWrench* rowWrenches = nullptr;  ///< [slot], to be filled by RowSumKernel: what its contacts do to it
   // Patches.

@@ -157,21 +157,25 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
   return Vector3Of<Pack>{remembered(0), remembered(1), remembered(2)} + slid * (g.V - xiDot * g.N);
 }
 
-/// One lane of a vector.
-Vector3 laneOf(const Vector3Of<Pack>& v, int lane) {
-  return {v.x()[lane], v.y()[lane], v.z()[lane]};
-}
-
-void storeMemory(const ContactArrays& arrays, std::int32_t entry, const ContactMemoryOf<Pack>& from, int lane,
-                 ContactMemory& to) {
-  to.displacement = laneOf(from.displacement, lane);
-  to.rate = laneOf(from.rate, lane);
-  to.slides = from.slides[lane];
-  to.nextRate = laneOf(from.nextRate, lane);
-  to.stiffness = from.stiffness[lane];
-  to.loss = from.loss[lane];
-  to.heating = from.heating[lane];
-  if (entry >= 0) std::copy_n(to.rate.data(), 3, arrays.displacementRates + 3 * entry);
+/// What `count` contacts remember once the sub-step is accepted, 0 where they do not touch after all; and at
+/// what rate what they remember so far changes.
+template <class Function>
+void storeMemory(const ContactArrays& arrays, const Entries& entry, const ContactMemoryOf<Pack>& memory,
+                 const MaskOf<Pack>& touches, int count, Function&& of) {
+  const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
+  const Vector3Of<Pack>&D = memory.displacement, &next = memory.nextRate;
+  storeRows<Pack>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
+                  count, [&](int lane) { return of(lane).displacement.data(); });
+  storeRows<Pack>({ifTouching(next.x()), ifTouching(next.y()), ifTouching(next.z()), ifTouching(memory.loss)},
+                  count, [&](int lane) { return of(lane).nextRate.data(); });
+  const Pack heating = ifTouching(memory.heating);
+  for (int lane = 0; lane < count; ++lane) {
+    of(lane).heating = heating[lane];
+    of(lane).slides = touches[lane] && memory.slides[lane];
+    if (entry[lane] < 0 || !touches[lane]) continue;
+    double* rate = arrays.displacementRates + 3 * entry[lane];
+    rate[0] = memory.rate.x()[lane], rate[1] = memory.rate.y()[lane], rate[2] = memory.rate.z()[lane];
+  }
 }
 
 /// Of the contacts so far, in every lane.
@@ -219,11 +223,8 @@ template <class Normal, class Shear>
     g.turning = turningOf(a, b, motion1, motion2, g.N, distance);
     const Vector3Of<Pack> D = displacementsOf<Normal>(arrays, entry, shear, g);
     result = resultWithMemory<Normal, Shear, Pack>(normal, shear, g, D, memory);
-    for (int lane = 0; lane < count; ++lane) {
-      ContactMemory& to = arrays.contactMemory[which[lane]];
-      to = {};
-      if (touches[lane]) storeMemory(arrays, entry[lane], memory, lane, to);
-    }
+    storeMemory(arrays, entry, memory, touches, count,
+                [&](int lane) -> SettledMemory& { return arrays.contactMemory[which[lane]]; });
   } else {
     result = resultWithoutMemory<Normal, Shear, Pack>(normal, shear, g.xi, g.N, g.V);
   }

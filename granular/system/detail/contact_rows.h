@@ -58,6 +58,16 @@ struct MemoryEntry {
   bool slides;       ///< then
 };
 
+/// What a contact remembers once the sub-step is accepted, and what that costs: as ContactMemoryOf.
+struct alignas(32) SettledMemory {
+  Vector3 displacement = Vector3::Zero();  ///< m
+  double stiffness = 0.0;                  ///< N/m
+  Vector3 nextRate = Vector3::Zero();      ///< m/s
+  double loss = 0.0;                       ///< J
+  double heating = 0.0;                    ///< W
+  bool slides = false;
+};
+
 /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.
 struct Extremes {
   double urgency = 0.0, overlap = 0.0;

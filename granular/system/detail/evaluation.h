@@ -227,7 +227,7 @@ class Evaluation {
   };
   std::vector<Settled> settledOfRank_;           // summed by rank, in which no re-sorting changes anything
   std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
-  std::vector<ContactMemory> contactMemory_;     // by contact
+  std::vector<SettledMemory> contactMemory_;     // by contact
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;

@@ -269,10 +269,9 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
   const ShearConstants shear = shearConstantsOf<Normal>(contact, pair, normal, request);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
-  ContactMemory* memory = nullptr;
+  ContactMemory memory;
   std::int32_t entry = -1;
   if constexpr (Shear::kHasMemory) {
-    memory = &contactMemory_[n];
     entry = memoryOfCandidate_[contact.candidate];
     if (entry >= 0) {
       D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
@@ -285,9 +284,15 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
           (g.V - xiDot * g.N);
     }
   }
-  const ContactResult result = contactResult<Normal, Shear>(normal, shear, g, D, memory);
+  const ContactResult result = contactResult<Normal, Shear>(normal, shear, g, D, &memory);
   if constexpr (Shear::kHasMemory) {
-    if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory->rate;
+    contactMemory_[n] = {.displacement = memory.displacement,
+                         .stiffness = memory.stiffness,
+                         .nextRate = memory.nextRate,
+                         .loss = memory.loss,
+                         .heating = memory.heating,
+                         .slides = memory.slides};
+    if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory.rate;
   }
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;

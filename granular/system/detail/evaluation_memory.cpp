@@ -98,6 +98,7 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
 }
 
 bool Evaluation::remembers(const Contact& contact) const {
+  if (isUniform_) return hasMemory_;
   return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
 }
 
@@ -152,7 +153,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
   for (std::int32_t n = range.first; n < range.last; ++n) {
     const Contact& contact = contacts_[n];
     if (!touches(n) || !remembers(contact)) continue;
-    const ContactMemory& memory = contactMemory_[n];
+    const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
     settledOfRank_[rank].heating += memory.heating;
