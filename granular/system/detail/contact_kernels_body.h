@@ -172,6 +172,7 @@ void storeMemory(const ContactArrays& arrays, const Entries& entry, const Contac
   for (int lane = 0; lane < count; ++lane) {
     of(lane).heating = heating[lane];
     of(lane).slides = touches[lane] && memory.slides[lane];
+    of(lane).touches = touches[lane];
     if (entry[lane] < 0 || !touches[lane]) continue;
     double* rate = arrays.displacementRates + 3 * entry[lane];
     rate[0] = memory.rate.x()[lane], rate[1] = memory.rate.y()[lane], rate[2] = memory.rate.z()[lane];

@@ -66,6 +66,7 @@ struct alignas(32) SettledMemory {
   double loss = 0.0;                       ///< J
   double heating = 0.0;                    ///< W
   bool slides = false;
+  bool touches = false;  ///< else it is none after all
 };
 
 /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.

@@ -149,6 +149,7 @@ class Evaluation {
   double surfaceMove(std::int32_t s) const;
   void rememberList();
   bool remembers(const Contact& contact) const;
+  bool isRemembered(std::int32_t n) const;
   ContactRange contactsOfPiece(std::int32_t piece) const;
   void settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate);
 

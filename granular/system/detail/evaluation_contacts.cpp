@@ -291,7 +291,8 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
                          .nextRate = memory.nextRate,
                          .loss = memory.loss,
                          .heating = memory.heating,
-                         .slides = memory.slides};
+                         .slides = memory.slides,
+                         .touches = true};
     if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory.rate;
   }
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};

@@ -97,6 +97,11 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
   }
 }
 
+/// Whether contact n has a memory from the present sub-step on.
+bool Evaluation::isRemembered(std::int32_t n) const {
+  return remembers(contacts_[n]) && contactMemory_[n].touches;
+}
+
 bool Evaluation::remembers(const Contact& contact) const {
   if (isUniform_) return hasMemory_;
   return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
@@ -113,9 +118,13 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
   entriesInPiece_.assign(pieces + 1, 0);
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    const ContactRange range = contactsOfPiece(piece);
     std::int32_t count = 0;
-    for (std::int32_t n = range.first; n < range.last; ++n) count += touches(n) && remembers(contacts_[n]);
+    if (isUniform_) {
+      count = extremesInPiece_[piece].contacts;
+    } else {
+      const ContactRange range = contactsOfPiece(piece);
+      for (std::int32_t n = range.first; n < range.last; ++n) count += isRemembered(n);
+    }
     entriesInPiece_[piece + 1] = count;
   });
   for (std::int32_t piece = 0; piece < pieces; ++piece) entriesInPiece_[piece + 1] += entriesInPiece_[piece];
@@ -144,7 +153,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
   const ContactRange range = contactsOfPiece(piece);
   for (std::int32_t n = range.first; n < range.last; ++n) {
     const std::int32_t before = memoryOfCandidate_[contacts_[n].candidate];
-    if (before >= 0 && touches(n)) livesOn_[before] = 1;
+    if (before >= 0 && isRemembered(n)) livesOn_[before] = 1;
   }
   const std::int32_t endRow = std::min(layout_.dynamicParticles, (piece + 1) * kRowsPerPiece);
   std::fill(memoryOfCandidate_.begin() + list_.rowStart()[piece * kRowsPerPiece],
@@ -152,7 +161,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
   std::int32_t m = entriesInPiece_[piece];
   for (std::int32_t n = range.first; n < range.last; ++n) {
     const Contact& contact = contacts_[n];
-    if (!touches(n) || !remembers(contact)) continue;
+    if (!isRemembered(n)) continue;
     const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
