@@ -8,7 +8,7 @@
 namespace granular::detail {
 namespace {
 
-constexpr std::int64_t kOwnersPerPiece = 512;  // handed to a thread at a time
+constexpr std::int64_t kOwnersPerPiece = 512, kNumbersPerPiece = 8192;  // handed to a thread at a time
 
 Eigen::Map<const Vector3> vectorAt(const double* own, int place) {
   return Eigen::Map<const Vector3>(own + place);
@@ -74,7 +74,13 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
       vectorAt(out, state::kAngularMomentum) = momentum(state::kAngularMomentum, drift.kick);
     }
   });
-  for (std::size_t i = evaluation_.stateSize(); i < y.size(); ++i) to[i] = y[i] + drift.memory * rate[i];
+  const std::size_t memory = evaluation_.stateSize();
+  executor().forRanges(static_cast<std::int64_t>(y.size() - memory), kNumbersPerPiece,
+                       [&](std::int64_t begin, std::int64_t end) {
+                         for (std::size_t i = memory + begin; i < memory + end; ++i) {
+                           to[i] = y[i] + drift.memory * rate[i];
+                         }
+                       });
 }
 
 void GrainEquations::kick(const std::vector<double>& y, double first, const std::vector<double>& rate0,

@@ -127,6 +127,7 @@ std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
 void GranularSystem::Impl::makeLayout() {
   detail::Layout& layout = evaluation.layout();
   layout = {};
+  layout.owners.reserve(aliveGrains + aliveBodies);
   ownerOfGrain.assign(grains.size(), -1);
   ownerOfBody.assign(bodies.size(), -1);
   addGrains(false);
