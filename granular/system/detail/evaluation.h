@@ -107,7 +107,12 @@ class Evaluation {
   double elasticEnergy(const Contact& contact, const ContactForce& force) const;  ///< of the normal spring, J
   /// body(contact, its force) for every contact, by rank of particle 1, then of particle 2.
   template <class Body>
-  void forEachContact(Body&& body) const;
+  void forEachContact(Body&& body) const {
+    forContactsOf(0, layout_.dynamicParticles, body);
+  }
+  /// The same for particles 1 of ranks [begin, end).
+  template <class Body>
+  void forContactsOf(std::int32_t begin, std::int32_t end, Body&& body) const;
 
   // Counts and wall times since they were last cleared.
   std::int64_t evaluations = 0;
@@ -257,8 +262,8 @@ void Evaluation::forTimedPieces(std::int32_t pieces, Body&& body) {
 }
 
 template <class Body>
-void Evaluation::forEachContact(Body&& body) const {
-  for (std::int32_t rank = 0; rank < layout_.dynamicParticles; ++rank) {
+void Evaluation::forContactsOf(std::int32_t begin, std::int32_t end, Body&& body) const {
+  for (std::int32_t rank = begin; rank < end; ++rank) {
     const std::int32_t slot = layout_.slotOfRank[rank];
     for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
       const std::int32_t n = contactOfCandidate_[c];

@@ -73,6 +73,12 @@ class GranularSystem::Impl {
   struct ErrorOfPiece {
     double largest = 0.0, sumOfSquares = 0.0;  // m, m^2
   };
+  /// Sums over owners, their motion, and over contacts.
+  struct Totals {
+    double kinetic = 0.0, potential = 0.0, elastic = 0.0;  // J
+    double overlap = 0.0;                                  // in smaller radii of the pairs
+    Vector3 momentum = Vector3::Zero(), angularMomentum = Vector3::Zero();
+  };
   struct Trial {
     double length = 0.0;          // s
     bool isLoose = false;         // beyond IntegratorDef::trialLimit
@@ -101,6 +107,7 @@ class GranularSystem::Impl {
   std::unique_ptr<StepMethod> stepper;
   StepControl control;
   std::vector<ErrorOfPiece> errorOfPiece;
+  std::vector<Totals> totalsOfPiece;
   std::vector<double> wayOfOwner;                             // error of the last trial, m
   std::optional<std::vector<RememberedContact>> givenMemory;  // comes in place of what the layout had
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
@@ -160,6 +167,8 @@ class GranularSystem::Impl {
   void quarantineNonFinite(StepReport& report);
   void removeGrain(std::int32_t index);
   void measure(StepReport& report);
+  Totals sumUp();
+  void addOwner(std::int32_t o, Totals& sum) const;
 
   // ---- sleep (system_sleep.cpp)
   bool isAwake(OwnerKind kind, std::int32_t index) const;

@@ -13,6 +13,8 @@ namespace state = detail::state;
 using Clock = std::chrono::steady_clock;
 using detail::BodyRecord;
 
+constexpr std::int32_t kMeasuredPerPiece = 1024;  // owners or particles, handed to a thread at a time
+
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -112,6 +114,56 @@ StepReport GranularSystem::Impl::step(double dt, const WorkBudget& allowed) {
   return report;
 }
 
+/// Sums over owners and contacts, piece by piece, so that they are the same for any number of threads.
+GranularSystem::Impl::Totals GranularSystem::Impl::sumUp() {
+  const detail::Layout& layout = evaluation.layout();
+  const std::int32_t ownerPieces = Executor::pieceCount(layout.dynamicCount(), kMeasuredPerPiece);
+  const std::int32_t contactPieces = Executor::pieceCount(layout.dynamicParticles, kMeasuredPerPiece);
+  totalsOfPiece.assign(ownerPieces + contactPieces, {});
+  evaluation.executor().forPieces(ownerPieces + contactPieces, [&](std::int32_t piece) {
+    Totals& sum = totalsOfPiece[piece];
+    if (piece < ownerPieces) {
+      const std::int32_t begin = piece * kMeasuredPerPiece;
+      const std::int32_t end = std::min(layout.dynamicCount(), begin + kMeasuredPerPiece);
+      for (std::int32_t o = begin; o < end; ++o) addOwner(o, sum);
+    } else {
+      const std::int32_t begin = (piece - ownerPieces) * kMeasuredPerPiece;
+      const std::int32_t end = std::min(layout.dynamicParticles, begin + kMeasuredPerPiece);
+      evaluation.forContactsOf(begin, end,
+                               [&](const detail::Contact& contact, const detail::ContactForce& force) {
+                                 sum.elastic += evaluation.elasticEnergy(contact, force);
+                                 sum.overlap += evaluation.relativeOverlap(contact, force.overlap);
+                               });
+    }
+  });
+  Totals all;
+  for (const Totals& sum : totalsOfPiece) {
+    all.kinetic += sum.kinetic;
+    all.potential += sum.potential;
+    all.elastic += sum.elastic;
+    all.overlap += sum.overlap;
+    all.momentum += sum.momentum;
+    all.angularMomentum += sum.angularMomentum;
+  }
+  return all;
+}
+
+void GranularSystem::Impl::addOwner(std::int32_t o, Totals& sum) const {
+  const detail::Layout& layout = evaluation.layout();
+  const detail::Owner& owner = layout.owners[o];
+  const double* own = y.data() + layout.stateOf(o);
+  const Eigen::Map<const Vector3> position(own + state::kPosition), velocity(own + state::kVelocity),
+      angularMomentum(own + state::kAngularMomentum);
+  const bool isGrain = owner.kind == OwnerKind::Grain;
+  const RigidMotion& motion = isGrain ? grainMotions[owner.index] : bodies[owner.index].motion;
+  const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
+  const Vector3& pull = isGrain ? gravity : evaluation.surroundings().bodyGravity[o - layout.dynamicGrains];
+  sum.kinetic += 0.5 * mass * velocity.squaredNorm() + 0.5 * motion.angularVelocity.dot(angularMomentum);
+  sum.potential -= mass * owner.linearFactor.cwiseProduct(pull).dot(position);
+  sum.momentum += mass * velocity;
+  sum.angularMomentum += mass * position.cross(velocity) + angularMomentum;
+}
+
 void GranularSystem::Impl::measure(StepReport& report) {
   prepare();
   evaluateNow(0.0);
@@ -130,26 +182,13 @@ void GranularSystem::Impl::measure(StepReport& report) {
   report.heldImpulse = heldImpulse;
   if (report.largestOverlap > 1.0) report.flags = report.flags | StepFlag::DeepOverlap;
 
-  for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
-    const detail::Owner& owner = layout.owners[o];
-    const double* own = y.data() + layout.stateOf(o);
-    const Eigen::Map<const Vector3> position(own + state::kPosition), velocity(own + state::kVelocity),
-        angularMomentum(own + state::kAngularMomentum);
-    const bool isGrain = owner.kind == OwnerKind::Grain;
-    const RigidMotion& motion = isGrain ? grainMotions[owner.index] : bodies[owner.index].motion;
-    const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
-    const Vector3& pull = isGrain ? gravity : evaluation.surroundings().bodyGravity[o - layout.dynamicGrains];
-    report.energy.kinetic +=
-        0.5 * mass * velocity.squaredNorm() + 0.5 * motion.angularVelocity.dot(angularMomentum);
-    report.energy.potential -= mass * owner.linearFactor.cwiseProduct(pull).dot(position);
-    report.momentum += mass * velocity;
-    report.angularMomentum += mass * position.cross(velocity) + angularMomentum;
-  }
-  double overlapSum = frozenTotals.overlapSum;
-  evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& force) {
-    report.energy.elastic += evaluation.elasticEnergy(contact, force);
-    overlapSum += evaluation.relativeOverlap(contact, force.overlap);
-  });
+  const Totals sum = sumUp();
+  report.energy.kinetic += sum.kinetic;
+  report.energy.potential += sum.potential;
+  report.energy.elastic += sum.elastic;
+  report.momentum += sum.momentum;
+  report.angularMomentum += sum.angularMomentum;
+  const double overlapSum = frozenTotals.overlapSum + sum.overlap;
   report.energy.elastic += evaluation.memoryEnergy() + frozenTotals.elastic;
   report.energy.potential += frozenTotals.potential;
   if (report.contacts > 0) report.meanOverlap = overlapSum / static_cast<double>(report.contacts);
