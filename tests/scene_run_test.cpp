@@ -268,6 +268,17 @@ TEST(CsvFile, NumbersReadBackToTheSameBits) {
     EXPECT_EQ(std::strtod(rows[1][i].c_str(), nullptr), numbers[i]);
 }
 
+TEST(CsvFile, QuotesTexts) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "texts.csv";
+  CsvFile csv(file, {"scene", "width"});
+  csv.row({"ring, 2\" wide"}, {0.5});
+  std::ifstream in(file);
+  std::string head, line;
+  std::getline(in, head);
+  std::getline(in, line);
+  EXPECT_EQ(line, "\"ring, 2\"\" wide\",0.5");
+}
+
 TEST(CsvFile, NamesTheFileItCannotWrite) {
   EXPECT_THROW(CsvFile("/no/such/folder/a.csv", {"a"}), std::runtime_error);
 }

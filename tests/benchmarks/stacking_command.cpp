@@ -228,8 +228,9 @@ int runStacking(const Options& options) {
       const Result r = run.run(seconds);
       printRow(scene, all[k], r);
       if (!csv) continue;
-      csv->row({double(s), double(k), scene.stands ? double(*scene.stands) : std::nan(""), double(r.stands),
-                r.drift, r.sunk, r.depth, r.rest, r.wall, r.evaluations});
+      csv->row({scene.name, all[k].name},
+               {scene.stands ? double(*scene.stands) : std::nan(""), double(r.stands), r.drift, r.sunk,
+                r.depth, r.rest, r.wall, r.evaluations});
       series.push_back({.name = all[k].name, .x = r.times, .y = r.drifts});
       run.draw(out / (fileName(scene.name + " " + all[k].name) + ".png"));
     }
