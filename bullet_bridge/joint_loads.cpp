@@ -12,13 +12,22 @@ inline namespace BULLET_BRIDGE_PRECISION {
 namespace detail {
 namespace {
 
-constexpr double kFollow = 0.6;  // of the difference, a tick
+constexpr double kFollow = 0.6;      // of the difference, a tick
+constexpr double kMostGrowth = 2.0;  // of what is followed, from a tick to the next
 
-void follow(granular::Wrench& load, const btVector3& force, const btVector3& torque) {
-  const granular::Vector3 f = fromBullet(force), t = fromBullet(torque);
-  if (!f.allFinite() || !t.allFinite()) return;
-  load.force += kFollow * (f - load.force);
-  load.torque += kFollow * (t - load.torque);
+/// A blow is not followed: it will not come again, and the load would strike back.
+granular::Vector3 steadyPart(const granular::Vector3& now, const granular::Vector3& before) {
+  const double size = now.norm(), most = kMostGrowth * before.norm();
+  return size > most ? granular::Vector3(most / size * now) : now;
+}
+
+void follow(granular::Wrench& load, granular::Wrench& before, const btVector3& force,
+            const btVector3& torque) {
+  const granular::Wrench now = {.force = fromBullet(force), .torque = fromBullet(torque)};
+  if (!now.force.allFinite() || !now.torque.allFinite()) return;
+  load.force += kFollow * (steadyPart(now.force, before.force) - load.force);
+  load.torque += kFollow * (steadyPart(now.torque, before.torque) - load.torque);
+  before = now;
 }
 
 }  // namespace
@@ -32,7 +41,9 @@ JointLoads::Joint JointLoads::asBefore(btTypedConstraint& constraint, std::size_
   };
   auto found = joints_.begin() + static_cast<std::ptrdiff_t>(std::min(place, joints_.size()));
   if (found == joints_.end() || !isIt(*found)) found = std::find_if(joints_.begin(), joints_.end(), isIt);
-  if (found != joints_.end()) std::ranges::copy(found->loads, joint.loads);
+  if (found == joints_.end()) return joint;
+  std::ranges::copy(found->loads, joint.loads);
+  std::ranges::copy(found->before, joint.before);
   return joint;
 }
 
@@ -54,8 +65,10 @@ void JointLoads::listen(btDiscreteDynamicsWorld& world,
 void JointLoads::follow() {
   for (Joint& joint : joints_) {
     const btJointFeedback& feedback = *joint.constraint->getJointFeedback();
-    detail::follow(joint.loads[0], feedback.m_appliedForceBodyA, feedback.m_appliedTorqueBodyA);
-    detail::follow(joint.loads[1], feedback.m_appliedForceBodyB, feedback.m_appliedTorqueBodyB);
+    detail::follow(joint.loads[0], joint.before[0], feedback.m_appliedForceBodyA,
+                   feedback.m_appliedTorqueBodyA);
+    detail::follow(joint.loads[1], joint.before[1], feedback.m_appliedForceBodyB,
+                   feedback.m_appliedTorqueBodyB);
     if (&feedback == &joint.feedback) joint.constraint->setJointFeedback(nullptr);
   }
   std::erase_if(joints_, [](const Joint& joint) { return !joint.constraint->isEnabled(); });

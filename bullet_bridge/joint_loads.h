@@ -9,7 +9,8 @@
 // v' = (F + P) dt / 2m and P' = P - b (v m / dt + (F + P) / 2). At b = 0.6 errors fade by sqrt(b / 2) = 0.55
 // a tick (the solver's error reduction left out, which sees bodies in mid-tick and helps a little). A slower
 // load turns behind a joint that swings (0.34: a pendulum at 97 ticks a period is slow by 0.6 %), a faster
-// one rings.
+// one rings. A blow is no steady force: what is followed at most doubles from tick to tick, else a joint that
+// stops two bodies would push them at one another in the tick after.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -41,7 +42,8 @@ class JointLoads {
     btTypedConstraint* constraint = nullptr;
     const btRigidBody* bodies[2] = {nullptr, nullptr};
     granular::Wrench loads[2] = {};
-    btJointFeedback feedback = {};  // where the program has none of its own
+    granular::Wrench before[2] = {};  // what the solver found in the last tick
+    btJointFeedback feedback = {};    // where the program has none of its own
   };
   Joint asBefore(btTypedConstraint& constraint, std::size_t place) const;
 

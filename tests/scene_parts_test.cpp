@@ -138,6 +138,7 @@ TEST(Joint, EnergyItTakesIsAccountedFor) {
   balance.add(scene.grains().measure(), scene);
   for (int i = 0; i < 20; ++i) balance.add(scene.tick(), scene);
   EXPECT_LT(scene.outsideEnergy().byConstraints, -0.4);  // both blocks' 0.25 J, nearly all
+  EXPECT_LT(scene.grains().measure().energy.total(), 0.01);
   EXPECT_LT(balance.worstFraction(), 1e-3);
 }
 
