@@ -2,6 +2,7 @@
 // State files: what goes in comes out, what is damaged is refused, runs go on from them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -95,6 +96,74 @@ TEST(SavedState, PutsGrainsBodiesAndMemoryBack) {
   }
   EXPECT_LT((again.bodies[0].motion.pose.position - state.bodies[0].motion.pose.position).norm(), 1e-15);
   EXPECT_EQ(again.memory.size(), state.memory.size());
+}
+
+/// The scene of memories, in which things may fall asleep.
+SceneDef sleepyScene() {
+  Json scene = memoryScene();
+  scene["sleep"] = Json::object();
+  return read(scene);
+}
+
+std::int64_t sleepingGrains(const SavedState& state) {
+  return std::count_if(state.sleep.sleepers.begin(), state.sleep.sleepers.end(),
+                       [](const auto& sleeper) { return sleeper.kind == granular::OwnerKind::Grain; });
+}
+
+/// After half of the grains did.
+SavedState stateAsleep() {
+  BuiltScene built(sleepyScene(), 1);
+  for (int i = 0; i < 400; ++i) {
+    built.tick();
+    const granular::StepReport report = built.grains().measure();
+    if (report.frozenContacts > 0 && 2 * report.awakeGrains < built.grains().grainCount()) break;
+  }
+  return built.savedState();
+}
+
+void expectSameSleep(const granular::SleepState& a, const granular::SleepState& b) {
+  ASSERT_EQ(a.sleepers.size(), b.sleepers.size());
+  for (std::size_t i = 0; i < a.sleepers.size(); ++i) {
+    EXPECT_EQ(a.sleepers[i].kind, b.sleepers[i].kind);
+    EXPECT_EQ(a.sleepers[i].index, b.sleepers[i].index);
+    EXPECT_EQ(a.sleepers[i].held.force, b.sleepers[i].held.force);
+    EXPECT_EQ(a.sleepers[i].held.torque, b.sleepers[i].held.torque);
+  }
+  ASSERT_EQ(a.frozen.size(), b.frozen.size());
+  for (std::size_t i = 0; i < a.frozen.size(); ++i) {
+    EXPECT_EQ(a.frozen[i].force, b.frozen[i].force);
+    EXPECT_EQ(a.frozen[i].point, b.frozen[i].point);
+    EXPECT_EQ(a.frozen[i].overlap, b.frozen[i].overlap);
+    EXPECT_EQ(a.frozen[i].memory.displacement, b.frozen[i].memory.displacement);
+    EXPECT_EQ(a.frozen[i].memory.index[0], b.frozen[i].memory.index[0]);
+    EXPECT_EQ(a.frozen[i].memory.index[1], b.frozen[i].memory.index[1]);
+  }
+}
+
+TEST(SavedState, KeepsWhoSleepsBitForBit) {
+  const SavedState state = stateAsleep();
+  ASSERT_GT(state.sleep.frozen.size(), 0u);
+  const auto file = scratch("asleep");
+  writeState(state, file);
+  const SavedState read = readState(file);
+  expectSameSleep(read.sleep, state.sleep);
+  const BuiltScene resumed(sleepyScene(), 1, &read);
+  expectSameSleep(resumed.savedState().sleep, state.sleep);
+}
+
+TEST(SavedState, GrainsSleepOnWhenTheSceneGoesOn) {
+  const SavedState state = stateAsleep();
+  ASSERT_GT(sleepingGrains(state), 0);
+  BuiltScene resumed(sleepyScene(), 1, &state);
+  resumed.tick();
+  EXPECT_GE(sleepingGrains(resumed.savedState()), sleepingGrains(state));
+}
+
+TEST(SavedState, NothingSleepsInASceneThatKnowsNoSleep) {
+  const SavedState state = stateAsleep();
+  BuiltScene resumed(read(memoryScene()), 1, &state);
+  EXPECT_TRUE(resumed.savedState().sleep.sleepers.empty());
+  EXPECT_EQ(resumed.savedState().memory.size(), state.memory.size());
 }
 
 TEST(SavedState, GoesOnAsTheRunThatNeverStopped) {

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "tests/stress_scenes.h"
 
@@ -20,6 +21,61 @@ std::string text(const char* format, double value) {
 const char* nameOf(Stepper stepper) {
   constexpr const char* kNames[] = {"RKF45", "leapfrog", "Verlet", "semi-implicit Euler", "Bogacki-Shampine"};
   return kNames[static_cast<int>(stepper)];
+}
+
+/// Below and above the longest step that closed forms allow in a packing and under law 18.
+void addBounds(std::vector<Case>& cases) {
+  for (const Stepper stepper : {Stepper::Leapfrog, Stepper::Verlet}) {
+    const std::string name = "packing bound ";
+    const std::string setUp = "20 balls in a row on undamped springs, ";
+    cases.push_back(
+        {.name = name + "kept, " + nameOf(stepper),
+         .setUp = setUp + "dt = 0.99 x 2/w, w^2 = 2 sum over contacts [k/m]",
+         .expectation = "no mode grows: speed below the sum of the modes of the start, 3 times it",
+         .lowest = 0.5,
+         .highest = 3.0,
+         .wantedFlags = StepFlag::FixedSubStepTooLong,
+         .isQuick = true,
+         .run = [=] { return row(stepper, 0.99); }});
+    cases.push_back({.name = name + "passed, " + nameOf(stepper),
+                     .setUp = setUp + "dt = 1.01 x 2/w",
+                     .expectation = "the fastest mode, at 0.997 of the bound, grows a hundredfold; flagged",
+                     .lowest = 100.0,
+                     .highest = kInfinity,
+                     .wantedFlags = StepFlag::FixedSubStepTooLong,
+                     .isQuick = true,
+                     .run = [=] { return row(stepper, 1.01); }});
+  }
+  const std::pair<Stepper, double> limits[] = {{Stepper::Leapfrog, 1.0},
+                                               {Stepper::Verlet, 2.0},
+                                               {Stepper::SemiImplicitEuler, 2.0},
+                                               {Stepper::Rkf45, largestRateByRkf45()}};
+  for (const auto& [stepper, limit] : limits) {
+    cases.push_back({.name = std::string("law 18's rate kept, ") + nameOf(stepper),
+                     .setUp = text("a ball slides, dt kt (1/m + R^2/I) = 0.98 x %.3f", limit),
+                     .expectation = "sliding dies away: speed never above that of the start",
+                     .lowest = 0.0,
+                     .highest = 1.0,
+                     .isQuick = true,
+                     .run = [=] { return slide(stepper, 0.98 * limit); }});
+    cases.push_back({.name = std::string("law 18's rate passed, ") + nameOf(stepper),
+                     .setUp = text("the same, 1.03 x %.3f", limit),
+                     .expectation = "beyond the stepper's limit it grows a hundredfold",
+                     .lowest = 100.0,
+                     .highest = kInfinity,
+                     .isQuick = true,
+                     .run = [=] { return slide(stepper, 1.03 * limit); }});
+  }
+  for (const double x : {0.3, 0.8}) {
+    cases.push_back({.name = text("RKF45 on a spring, w0 dt = %.1f", x),
+                     .setUp = "ball on an undamped linear spring, fixed steps",
+                     .expectation = "swing over |P(i w0 dt)|^2000 of its stability polynomial, within 1 %",
+                     .lowest = 0.99,
+                     .highest = 1.01,
+                     .wantedFlags = x > 0.5 ? StepFlag::FixedSubStepTooLong : StepFlag::None,
+                     .isQuick = true,
+                     .run = [=] { return growthByRkf45(x); }});
+  }
 }
 
 void addSteps(std::vector<Case>& cases) {
@@ -41,6 +97,7 @@ void addSteps(std::vector<Case>& cases) {
          .isQuick = true,
          .run = [=] { return swing(stepper, 2.05); }});
   }
+  addBounds(cases);
   for (const double E : {1e5, 1e7, 1e9, 1e11}) {
     cases.push_back({.name = text("stiffness %.0e Pa", E),
                      .setUp = "ball on a floor at 0.3 m/s, e = 0.5 at that speed, default integrator",
@@ -144,6 +201,12 @@ void addSpeeds(std::vector<Case>& cases) {
                    .wantedFlags = StepFlag::DeepOverlap,
                    .isQuick = true,
                    .run = [] { return shots(1e7); }});
+  const double modulus = advisedModulus(100.0);
+  cases.push_back({.name = text("100 m/s at a covering, advised E = %.2g Pa", modulus),
+                   .setUp = "the same, at the Young's modulus that advice(100 m/s) names in place of 10 MPa",
+                   .expectation = "none crosses",
+                   .highest = 0.0,
+                   .run = [=] { return shots(modulus); }});
   for (const double speed : {1.0, 100.0}) {
     cases.push_back({.name = text("wall at %.0f m/s", speed),
                      .setUp = "a kinematic wall hits a resting ball, e = 0.5, E = 1e9 Pa",

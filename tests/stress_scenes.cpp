@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "granular/base/random.h"
 #include "granular/granular.h"
@@ -13,6 +15,7 @@ namespace granular::stress {
 namespace {
 
 constexpr double kRadius = 0.01, kDensity = 2500.0, kGravity = 9.81;
+constexpr int kSwingSteps = 2000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Vector3 kNone = Vector3::Zero();
 
@@ -121,13 +124,102 @@ Outcome swing(Stepper stepper, double frequencyTimesStep) {
   scene.addFloor();
   const GrainId ball = scene.addBall({0, kRadius - rest + first, 0});
   double largest = 0.0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < kSwingSteps; ++i) {
     scene.step(step);
     const double away = scene.system.grainMotions()[ball.index].pose.position.y() - (kRadius - rest);
     largest = std::max(largest, std::abs(away));
     if (largest > 100.0 * first) break;
   }
   return scene.end(largest / first);
+}
+
+Outcome row(Stepper stepper, double boundsPerStep) {
+  constexpr int kBalls = 20;
+  constexpr double kOverlap = 1e-3 * kRadius, kSpeed = 1e-6, kStiffness = 1e4;
+  const double step =
+      boundsPerStep * 2.0 / std::sqrt(2.0 * 2.0 * kStiffness / ballMass());  // two contacts a ball
+  Watched scene({.gravity = kNone, .integrator = {.stepper = stepper, .fixedSubStep = step}},
+                {.density = kDensity, .restitution = 1.0, .friction = 0.0});
+  scene.system.setMaterialPair(
+      scene.stone, scene.stone,
+      {.normal = {.law = NormalLaw::LinearSpring, .stiffness = kStiffness, .damping = 0.0}});
+  const double spacing = 2.0 * kRadius - kOverlap, half = 0.5 * kBalls * spacing;
+  for (const double side : {-1.0, 1.0}) {
+    scene.system.addBody({.exact = HalfSpace{},
+                          .material = scene.stone,
+                          .pose = {side * (half - 0.5 * kOverlap) * Vector3::UnitX(),
+                                   Quaternion::FromTwoVectors(Vector3::UnitY(), Vector3(-side, 0, 0))}});
+  }
+  for (int i = 0; i < kBalls; ++i) {  // each against its neighbours: nearly the fastest mode
+    const double speed = i % 2 == 0 ? kSpeed : -kSpeed;
+    scene.addBall({(i + 0.5) * spacing - half, 0, 0}, {speed, 0, 0});
+  }
+  double largest = 0.0;
+  for (int i = 0; i < 300 && largest < 1e3 * kSpeed; ++i) {
+    scene.step(step);
+    for (const RigidMotion& motion : scene.system.grainMotions())
+      largest = std::max(largest, motion.velocity.norm());
+  }
+  return scene.end(largest / kSpeed);
+}
+
+Outcome slide(Stepper stepper, double rateTimesStep) {
+  const double k = 1e4, m = ballMass(), I = 0.4 * m * kRadius * kRadius;
+  const double contactTime = std::numbers::pi * std::sqrt(m / k), step = 0.02 * contactTime;
+  const double press = 300.0 * kGravity, arm = kRadius - m * press / k, speed = 1e-4;
+  const double viscosity = rateTimesStep / step / (1.0 / m + arm * arm / I);
+  Watched scene({.gravity = {0, -press, 0}, .integrator = {.stepper = stepper, .fixedSubStep = step}},
+                {.density = kDensity, .restitution = 1.0, .friction = 1e6});
+  scene.system.setMaterialPair(scene.stone, scene.stone,
+                               {.normal = {.law = NormalLaw::LinearSpring, .stiffness = k, .damping = 0.0},
+                                .shear = {.viscosity = viscosity}});
+  scene.addFloor();
+  const GrainId ball = scene.addBall({0, arm, 0}, {speed, 0, 0});
+  double largest = 0.0;
+  for (int i = 0; i < 300 && largest < 1e3 * speed; ++i) {
+    scene.step(step);
+    const RigidMotion motion = scene.system.grainMotions()[ball.index];
+    largest = std::max(largest, std::abs(motion.velocity.x() + arm * motion.angularVelocity.z()));
+  }
+  return scene.end(largest / speed);
+}
+
+namespace {
+
+/// Growth of y' = z y by one step: Fehlberg 1969, the answer of fifth order.
+std::complex<double> stabilityOfRkf45(std::complex<double> z) {
+  std::complex<double> sum = 0.0;
+  for (const double c : {1.0 / 2080, 1.0 / 120, 1.0 / 24, 1.0 / 6, 1.0 / 2, 1.0, 1.0}) sum = sum * z + c;
+  return sum;
+}
+
+}  // namespace
+
+Outcome growthByRkf45(double frequencyTimesStep) {
+  Outcome outcome = swing(Stepper::Rkf45, frequencyTimesStep);
+  outcome.measured /= std::pow(std::abs(stabilityOfRkf45({0.0, frequencyTimesStep})), kSwingSteps);
+  return outcome;
+}
+
+double largestRateByRkf45() {
+  double low = 2.0, high = 5.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (std::abs(stabilityOfRkf45(-middle)) <= 1.0 ? low : high) = middle;
+  }
+  return low;
+}
+
+double advisedModulus(double speed) {
+  Watched scene({}, {.density = kDensity, .youngsModulus = 1e7});
+  scene.addBall(kNone);
+  const std::string before = "youngsModulus of ", after = " Pa in place of ";
+  for (const std::string& line : scene.system.advice(speed)) {
+    const std::size_t end = line.find(after);
+    if (line.find(before) == std::string::npos || end == std::string::npos) continue;
+    return std::stod(line.substr(line.rfind(' ', end - 1) + 1));
+  }
+  return 0.0;
 }
 
 Outcome rebound(double youngsModulus, double speed) {

@@ -11,6 +11,20 @@ namespace granular::stress {
 /// Largest swing of a ball on an undamped linear spring, in its first swing, after 2000 sub-steps of so many
 /// over its frequency.
 Outcome swing(Stepper stepper, double frequencyTimesStep);
+/// Largest speed, over that of the start, of twenty balls in a row between walls, on undamped linear springs,
+/// in 300 sub-steps of so many times what the packing bound allows by leapfrog: 2/w with w^2 the largest over
+/// the balls of 2 sum over contacts [kn/m].
+Outcome row(Stepper stepper, double boundsPerStep);
+/// Largest speed with which a ball slides on a plane under law 18, over that of the start, in 300 sub-steps
+/// of this length times the rate kt (1/m + R^2/I).
+Outcome slide(Stepper stepper, double rateTimesStep);
+/// Growth of the swing in 2000 steps of RKF45 on an undamped spring, over |P(i w0 dt)|^2000, its stability
+/// polynomial.
+Outcome growthByRkf45(double frequencyTimesStep);
+/// x at which RKF45's stability polynomial of -x leaves [-1, 1].
+double largestRateByRkf45();
+/// Young's modulus that advice gives for impacts at this speed, in place of 10 MPa, Pa.
+double advisedModulus(double speed);
 /// Rebound speed over impact speed of a ball on the floor; restitution 0.5 at that speed.
 Outcome rebound(double youngsModulus, double speed);
 /// How far above where it was dropped a ball rises at most, in radii.

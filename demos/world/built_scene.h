@@ -104,6 +104,9 @@ class BuiltScene {
   void restoreBody(const SavedState::Body& saved);
   void restoreGrains(const SavedState& state);
   void restoreMemory(const SavedState& state);
+  void restoreSleep(const SavedState& state);
+  bool findOwner(const SavedState& state, granular::OwnerKind kind, std::int32_t& index) const;
+  bool findOwners(const SavedState& state, granular::RememberedContact& contact) const;
   void checkStartOverlap();
   void pour();
   granular::RigidMotion motionOf(const BuiltBody& body) const;

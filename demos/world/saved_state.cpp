@@ -15,18 +15,19 @@ using granular::RememberedContact;
 using granular::RigidMotion;
 
 constexpr const char* kFormat = "granular-state";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr std::size_t kMotionSize = 13;
 
+void add3(Json& numbers, const granular::Vector3& v) {
+  for (int i = 0; i < 3; ++i) numbers.push_back(v[i]);
+}
+
 void addMotion(Json& numbers, const RigidMotion& m) {
-  const auto add3 = [&](const granular::Vector3& v) {
-    for (int i = 0; i < 3; ++i) numbers.push_back(v[i]);
-  };
   const granular::Quaternion& q = m.pose.orientation;
-  add3(m.pose.position);
+  add3(numbers, m.pose.position);
   for (const double x : {q.w(), q.x(), q.y(), q.z()}) numbers.push_back(x);
-  add3(m.velocity);
-  add3(m.angularVelocity);
+  add3(numbers, m.velocity);
+  add3(numbers, m.angularVelocity);
 }
 
 RigidMotion motionAt(const std::vector<double>& n, std::size_t i) {
@@ -113,18 +114,40 @@ void readBodies(JsonObject object, SavedState& state) {
 // Numbers a remembered contact: kind, index, local of both owners, displacement, stiffness, slides.
 constexpr std::size_t kMemorySize = 11;
 
+void addContact(Json& numbers, const RememberedContact& c) {
+  for (int side = 0; side < 2; ++side) {
+    numbers.push_back(static_cast<int>(c.kind[side]));
+    numbers.push_back(c.index[side]);
+    numbers.push_back(c.local[side]);
+  }
+  add3(numbers, c.displacement);
+  numbers.push_back(c.stiffness);
+  numbers.push_back(c.slides ? 1 : 0);
+}
+
+/// Whether kind n[0] and index n[1] are those of an owner in the file; then they are put into these.
+bool readOwner(const double* n, const SavedState& state, granular::OwnerKind& kind, std::int32_t& index) {
+  kind = n[0] == 0.0 ? granular::OwnerKind::Grain : granular::OwnerKind::Body;
+  const std::size_t known = n[0] == 0.0 ? state.grains.size() : state.bodyNames.size();
+  if (!(n[1] >= 0.0 && n[1] < static_cast<double>(known))) return false;
+  index = static_cast<std::int32_t>(n[1]);
+  return true;
+}
+
+bool readContact(const double* n, const SavedState& state, RememberedContact& contact) {
+  for (int side = 0; side < 2; ++side) {
+    if (!readOwner(n + 3 * side, state, contact.kind[side], contact.index[side])) return false;
+    contact.local[side] = static_cast<std::int32_t>(n[3 * side + 2]);
+  }
+  contact.displacement = {n[6], n[7], n[8]};
+  contact.stiffness = n[9];
+  contact.slides = n[10] != 0.0;
+  return true;
+}
+
 Json memoryOf(const SavedState& state) {
   Json numbers = Json::array();
-  for (const RememberedContact& c : state.memory) {
-    for (int side = 0; side < 2; ++side) {
-      numbers.push_back(static_cast<int>(c.kind[side]));
-      numbers.push_back(c.index[side]);
-      numbers.push_back(c.local[side]);
-    }
-    for (int i = 0; i < 3; ++i) numbers.push_back(c.displacement[i]);
-    numbers.push_back(c.stiffness);
-    numbers.push_back(c.slides ? 1 : 0);
-  }
+  for (const RememberedContact& c : state.memory) addContact(numbers, c);
   return {{"bodyNames", state.bodyNames}, {"contacts", numbers}};
 }
 
@@ -133,20 +156,58 @@ void readMemory(JsonObject object, SavedState& state) {
   const std::vector<double> n = numbersAt(object, "contacts", -1);
   if (n.size() % kMemorySize != 0) object.at("contacts").fail("eleven numbers a contact");
   for (std::size_t i = 0; i < n.size(); i += kMemorySize) {
-    RememberedContact contact;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const double* own = n.data() + i + 3 * side;
-      contact.kind[side] = own[0] == 0.0 ? granular::OwnerKind::Grain : granular::OwnerKind::Body;
-      const std::size_t known = own[0] == 0.0 ? state.grains.size() : state.bodyNames.size();
-      if (!(own[1] >= 0.0 && own[1] < static_cast<double>(known)))
-        object.at("contacts").fail("owners that are in the file");
-      contact.index[side] = static_cast<std::int32_t>(own[1]);
-      contact.local[side] = static_cast<std::int32_t>(own[2]);
-    }
-    contact.displacement = {n[i + 6], n[i + 7], n[i + 8]};
-    contact.stiffness = n[i + 9];
-    contact.slides = n[i + 10] != 0.0;
-    state.memory.push_back(contact);
+    if (!readContact(n.data() + i, state, state.memory.emplace_back()))
+      object.at("contacts").fail("owners that are in the file");
+  }
+  object.finish();
+}
+
+// Numbers a sleeper: kind, index, force and torque held. A frozen contact: those of a remembered one, whether
+// it does remember, force, point, overlap, overlap in radii, energy.
+constexpr std::size_t kSleeperSize = 8, kFrozenSize = kMemorySize + 10;
+
+Json sleepOf(const SavedState& state) {
+  Json sleepers = Json::array(), frozen = Json::array();
+  for (const granular::SleepState::Sleeper& sleeper : state.sleep.sleepers) {
+    sleepers.push_back(static_cast<int>(sleeper.kind));
+    sleepers.push_back(sleeper.index);
+    add3(sleepers, sleeper.held.force);
+    add3(sleepers, sleeper.held.torque);
+  }
+  for (const granular::FrozenContact& contact : state.sleep.frozen) {
+    addContact(frozen, contact.memory);
+    frozen.push_back(contact.remembers ? 1 : 0);
+    add3(frozen, contact.force);
+    add3(frozen, contact.point);
+    for (const double x : {contact.overlap, contact.relativeOverlap, contact.normalEnergy})
+      frozen.push_back(x);
+  }
+  return {{"sleepers", sleepers}, {"frozen", frozen}};
+}
+
+void readSleep(JsonObject object, SavedState& state) {
+  const std::vector<double> sleepers = numbersAt(object, "sleepers", -1);
+  if (sleepers.size() % kSleeperSize != 0) object.at("sleepers").fail("eight numbers a sleeper");
+  for (std::size_t i = 0; i < sleepers.size(); i += kSleeperSize) {
+    const double* n = sleepers.data() + i;
+    granular::SleepState::Sleeper& sleeper = state.sleep.sleepers.emplace_back();
+    if (!readOwner(n, state, sleeper.kind, sleeper.index))
+      object.at("sleepers").fail("owners that are in the file");
+    sleeper.held = {.force = {n[2], n[3], n[4]}, .torque = {n[5], n[6], n[7]}};
+  }
+  const std::vector<double> frozen = numbersAt(object, "frozen", -1);
+  if (frozen.size() % kFrozenSize != 0) object.at("frozen").fail("21 numbers a frozen contact");
+  for (std::size_t i = 0; i < frozen.size(); i += kFrozenSize) {
+    granular::FrozenContact& contact = state.sleep.frozen.emplace_back();
+    if (!readContact(frozen.data() + i, state, contact.memory))
+      object.at("frozen").fail("owners that are in the file");
+    const double* n = frozen.data() + i + kMemorySize;
+    contact.remembers = n[0] != 0.0;
+    contact.force = {n[1], n[2], n[3]};
+    contact.point = {n[4], n[5], n[6]};
+    contact.overlap = n[7];
+    contact.relativeOverlap = n[8];
+    contact.normalEnergy = n[9];
   }
   object.finish();
 }
@@ -185,7 +246,8 @@ void writeState(const SavedState& state, const std::filesystem::path& file) {
                {"bodies", bodiesOf(state)},
                {"emitters", emittersOf(state)},
                {"brokenJoints", state.brokenJoints},
-               {"memory", memoryOf(state)}};
+               {"memory", memoryOf(state)},
+               {"sleep", sleepOf(state)}};
   json["checksum"] = checksumOf(json);
   const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
   std::ofstream out(file, std::ios::binary);
@@ -229,6 +291,7 @@ SavedState readState(const std::filesystem::path& file) {
   readEmitters(object.at("emitters"), state);
   state.brokenJoints = textsAt(object, "brokenJoints");
   readMemory(object.object("memory"), state);
+  readSleep(object.object("sleep"), state);
   object.finish();
   return state;
 }

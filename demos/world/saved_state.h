@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A scene as it stands at one moment, in a file: to go on from, or for another scene to begin with.
 // Holds the scene's own JSON (so shapes, materials and coverings come with it; mesh files are named), and
-// what moves: grains, bodies, emitters, broken joints, contact memory. CBOR (RFC 8949) of one object with
-// numbers in plain arrays, a motion as 13 numbers: position, orientation w x y z, velocity, angular velocity.
+// what moves: grains, bodies, emitters, broken joints, contact memory, and who sleeps. CBOR (RFC 8949) of one
+// object with numbers in plain arrays, a motion as 13 numbers: position, orientation w x y z, velocity,
+// angular velocity.
 #pragma once
 
 #include <cstdint>
@@ -43,6 +44,7 @@ struct SavedState {
   std::vector<std::string> brokenJoints;
   /// Owners by place in `grains`; bodies by place among all bodies of the scene, see `bodyNames`.
   std::vector<granular::RememberedContact> memory;
+  granular::SleepState sleep;  ///< owners as in `memory`
   std::vector<std::string> bodyNames;
 };
 

@@ -11,6 +11,7 @@ namespace granular_demo {
 namespace {
 
 using bullet_bridge::toBullet;
+using granular::OwnerKind;
 
 constexpr const char* kFile = "state";
 
@@ -42,13 +43,17 @@ SavedState BuiltScene::savedState() const {
   for (const BuiltEmitter& built : emitters_)
     state.emitters.push_back({built.part->name, built.emitter.secondsPoured(), built.emitter.poured()});
   state.brokenJoints = joints_.brokenNames();
+  const auto place = [&](OwnerKind kind, std::int32_t& index) {
+    index = (kind == OwnerKind::Grain ? placeOfGrain : placeOfBody).at(index);
+  };
+  const auto placeBoth = [&](granular::RememberedContact& contact) {
+    for (int side = 0; side < 2; ++side) place(contact.kind[side], contact.index[side]);
+  };
   state.memory = grains().contactMemory();
-  for (granular::RememberedContact& contact : state.memory) {
-    for (int side = 0; side < 2; ++side) {
-      const bool isGrain = contact.kind[side] == granular::OwnerKind::Grain;
-      contact.index[side] = (isGrain ? placeOfGrain : placeOfBody).at(contact.index[side]);
-    }
-  }
+  for (granular::RememberedContact& contact : state.memory) placeBoth(contact);
+  state.sleep = grains().sleepState();
+  for (granular::SleepState::Sleeper& sleeper : state.sleep.sleepers) place(sleeper.kind, sleeper.index);
+  for (granular::FrozenContact& contact : state.sleep.frozen) placeBoth(contact.memory);
   return state;
 }
 
@@ -70,6 +75,7 @@ void BuiltScene::restore(const SavedState& state) {
   }
   restoreGrains(state);
   restoreMemory(state);
+  restoreSleep(state);
 }
 
 /// A body that the scene no longer has is left out: a scene that goes on may take bodies away.
@@ -105,22 +111,40 @@ void BuiltScene::restoreGrains(const SavedState& state) {
   }
 }
 
-/// Grains were added in the order of the file, so their places are their indices.
+/// Index of an owner of the file; grains were added in the order of the file, so their places are their
+/// indices. Whether the scene still has it.
+bool BuiltScene::findOwner(const SavedState& state, OwnerKind kind, std::int32_t& index) const {
+  if (kind == OwnerKind::Grain) return true;
+  const std::string& name = state.bodyNames[index];
+  const auto found = std::find_if(bodies_.begin(), bodies_.end(),
+                                  [&](const BuiltBody& body) { return body.part->name == name; });
+  if (found == bodies_.end() || !found->part->meetsGrains()) return false;
+  index = world_->bodyIdOf(*found->body).index;
+  return true;
+}
+
+bool BuiltScene::findOwners(const SavedState& state, granular::RememberedContact& contact) const {
+  return findOwner(state, contact.kind[0], contact.index[0]) &&
+         findOwner(state, contact.kind[1], contact.index[1]);
+}
+
 void BuiltScene::restoreMemory(const SavedState& state) {
   std::vector<granular::RememberedContact> memory;
   for (granular::RememberedContact contact : state.memory) {
-    bool known = true;
-    for (int side = 0; side < 2; ++side) {
-      if (contact.kind[side] == granular::OwnerKind::Grain) continue;
-      const std::string& name = state.bodyNames[contact.index[side]];
-      const auto found = std::find_if(bodies_.begin(), bodies_.end(),
-                                      [&](const BuiltBody& body) { return body.part->name == name; });
-      known = known && found != bodies_.end() && found->part->meetsGrains();
-      if (known) contact.index[side] = world_->bodyIdOf(*found->body).index;
-    }
-    if (known) memory.push_back(contact);
+    if (findOwners(state, contact)) memory.push_back(contact);
   }
   if (!memory.empty()) grains().setContactMemory(memory);
+}
+
+void BuiltScene::restoreSleep(const SavedState& state) {
+  granular::SleepState sleep;
+  for (granular::SleepState::Sleeper sleeper : state.sleep.sleepers) {
+    if (findOwner(state, sleeper.kind, sleeper.index)) sleep.sleepers.push_back(sleeper);
+  }
+  for (granular::FrozenContact contact : state.sleep.frozen) {
+    if (findOwners(state, contact.memory)) sleep.frozen.push_back(contact);
+  }
+  if (!sleep.sleepers.empty()) grains().setSleepState(sleep);
 }
 
 }  // namespace granular_demo

@@ -378,14 +378,13 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   const std::int32_t owner = s.ownerOfBody[id.index];
   const Vector3 center = s.bodies[id.index].motion.pose.position;
   Wrench sum = s.frozenWrenches[id.index];
-  s.evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& f) {
-        const bool first = layout.ownerOfSlot[contact.slot1] == owner;
-        if (!first && layout.ownerOfSlot[contact.slot2] != owner) return;
-        const Vector3 force = first ? f.force : Vector3(-f.force);
-        sum.force += force;
-        sum.torque += (f.point - center).cross(force);
-      });
+  s.evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
+    const bool first = layout.ownerOfSlot[contact.slot1] == owner;
+    if (!first && layout.ownerOfSlot[contact.slot2] != owner) return;
+    const Vector3 force = first ? f.force : Vector3(-f.force);
+    sum.force += force;
+    sum.torque += (f.point - center).cross(force);
+  });
   return sum;
 }
 
@@ -565,22 +564,21 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
   impl_->prepare();
   impl_->evaluateNow(0.0);
   const detail::Layout& layout = impl_->evaluation.layout();
-  impl_->evaluation.forEachContact(
-      [&](const detail::Contact& contact, const detail::ContactForce& f) {
-        ContactView view;
-        const std::int32_t slots[2] = {contact.slot1, contact.slot2};
-        for (int side = 0; side < 2; ++side) {
-          const detail::Owner& owner = layout.owners[layout.ownerOfSlot[slots[side]]];
-          view.ownerKind[side] = owner.kind;
-          view.ownerIndex[side] = owner.index;
-          view.particle[side] =
-              slots[side] < layout.particleCount ? layout.rankOfSlot[slots[side]] - owner.firstRank : -1;
-        }
-        view.point = f.point;
-        view.force = f.force;
-        view.overlap = f.overlap;
-        contacts.push_back(view);
-      });
+  impl_->evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
+    ContactView view;
+    const std::int32_t slots[2] = {contact.slot1, contact.slot2};
+    for (int side = 0; side < 2; ++side) {
+      const detail::Owner& owner = layout.owners[layout.ownerOfSlot[slots[side]]];
+      view.ownerKind[side] = owner.kind;
+      view.ownerIndex[side] = owner.index;
+      view.particle[side] =
+          slots[side] < layout.particleCount ? layout.rankOfSlot[slots[side]] - owner.firstRank : -1;
+    }
+    view.point = f.point;
+    view.force = f.force;
+    view.overlap = f.overlap;
+    contacts.push_back(view);
+  });
   if (impl_->evaluation.layout().sleeperCount() > 0) impl_->addFrozen(contacts);
 }
 
@@ -589,10 +587,8 @@ std::vector<RememberedContact> GranularSystem::contactMemory() const {
   if (s.givenMemory) return *s.givenMemory;
   std::vector<RememberedContact> memory = s.evaluation.exportMemory(s.y);
   if (s.frozen.empty()) return memory;
-  std::erase_if(memory, [&](const RememberedContact& c) {  // frozen since the last evaluation
-    return !s.isAwake(c.kind[0], c.index[0]) && !s.isAwake(c.kind[1], c.index[1]);
-  });
-  for (const detail::FrozenContact& contact : s.frozen) {
+  memory = s.amongAwake(std::move(memory));  // others were frozen since the last evaluation
+  for (const FrozenContact& contact : s.frozen) {
     if (contact.remembers) memory.push_back(contact.memory);
   }
   return memory;

@@ -145,6 +145,28 @@ struct RememberedContact {
   bool slides = false;
 };
 
+/// A contact between two owners of which none is awake: kept as it was, and not evaluated.
+struct FrozenContact {
+  RememberedContact memory;         ///< who touches whom; what it remembers only where `remembers`
+  bool remembers = false;           ///< under laws 17 and 19
+  Vector3 force = Vector3::Zero();  ///< N, on the first owner, world
+  Vector3 point = Vector3::Zero();  ///< m, world
+  double overlap = 0.0;             ///< m
+  double relativeOverlap = 0.0;     ///< in smaller radii of the pair
+  double normalEnergy = 0.0;        ///< in its normal spring, J
+};
+
+/// Who sleeps, and what presses on them: for files, to go on from.
+struct SleepState {
+  struct Sleeper {
+    OwnerKind kind = OwnerKind::Grain;
+    std::int32_t index = -1;  ///< GrainId::index or BodyId::index
+    Wrench held;              ///< mean net force and torque, N and N m: as SleepDef::wakeImbalance
+  };
+  std::vector<Sleeper> sleepers;
+  std::vector<FrozenContact> frozen;
+};
+
 class GranularSystem {
  public:
   explicit GranularSystem(const SystemDef& def = {});
@@ -219,6 +241,11 @@ class GranularSystem {
   void wakeAll();
   /// Grains and bodies whose centres are in the box.
   void wakeRegion(const Box& box);
+  SleepState sleepState() const;
+  /// Puts such a state back into a system with the same owners at the same places, after setContactMemory().
+  /// Everything is awake where SleepDef::enabled is not; frozen contacts of owners that are gone are dropped.
+  /// Throws std::invalid_argument if a number is not finite.
+  void setSleepState(const SleepState& state);
 
   // ---- grains: reading (spans stay valid until the next call that adds or steps)
   std::int32_t grainCount() const;     ///< living grains

@@ -25,8 +25,10 @@ struct SleepDef {
   /// and largest net torque as that fraction of what it carries times its reach, > 0.
   double balance = 5e-4;
 
-  /// Net force or torque, as the same fraction, beyond which a sleeper wakes, >= balance. Each sleeper may
-  /// hold up to this much without passing it on: the floor under a pile may feel that much less or more.
+  /// Net force or torque, as the same fraction, beyond which a sleeper wakes, >= balance: its mean over the
+  /// last restTime, what is longer ago fading by exp(-t/restTime). Each sleeper may hold up to this much
+  /// without passing it on: the floor under a pile may feel that much less or more. As a mean, it lets the
+  /// short waves of an impact go by, which would press everything in a bed and move nothing.
   double wakeImbalance = 2e-3;
 };
 

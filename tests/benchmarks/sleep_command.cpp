@@ -25,6 +25,7 @@ constexpr double kSettlingFrame = 0.01;                 // s
 constexpr double kLongestSettling = 4.0;                // s
 constexpr double kAwakeTime = 0.02, kAsleepTime = 1.0;  // s simulated for the costs
 constexpr double kFrame = 1.0 / 60.0, kBallTime = 0.5;  // s
+constexpr double kBeforeLanding = 0.01;                 // s that the last part of a fall is run for
 constexpr double kFewAwake = 0.005;                     // of all: the bed counts as asleep
 constexpr double kForceBand = 0.005;                    // of the weight
 
@@ -119,7 +120,7 @@ bool isAsleep(const StepReport& report, const Bed& bed) {
   return static_cast<double>(report.awakeGrains) <= kFewAwake * bed.system.grainCount();
 }
 
-void compare(int across, int layers, int threads) {
+void compare(int across, int layers, double drop, int threads) {
   Bed bed(across, layers, threads);
   std::cout << bed.system.grainCount() << " spheres in a bed of " << layers << " layers" << std::endl;
   double settled = 0.0;
@@ -143,9 +144,14 @@ void compare(int across, int layers, int threads) {
   print("asleep", asleep, awake);
   checkForce("awake", awake.force);
   checkForce("asleep", asleep.force);
-  bed.add({0.3 * kRadius, bed.height + 2.0 * kRadius, 0.2 * kRadius});
+  const auto before = static_cast<double>(bed.system.grainCount());
+  bed.add({0.3 * kRadius, bed.height + (1.0 + drop) * kRadius, 0.2 * kRadius});
+  const double fall = std::sqrt(2.0 * drop * kRadius / kGravity);
+  if (fall > kBeforeLanding) bed.system.step(fall - kBeforeLanding);
   const Cost landing = run(bed, kBallTime, 1e-3);
   print("a ball lands on top", landing, awake);
+  std::cout << "it falls " << drop << " radii and wakes at most " << landing.mostAwake - 1 << " at a time, "
+            << 100.0 * static_cast<double>(landing.mostAwake - 1) / before << " %" << std::endl;
   checkForce("a ball landed", landing.force);
 }
 
@@ -153,15 +159,19 @@ void compare(int across, int layers, int threads) {
 
 void addSleepCommand(CLI::App& app, int& status) {
   auto across = std::make_shared<int>(65), layers = std::make_shared<int>(12);
+  auto drop = std::make_shared<double>(1.0);
   auto threads = std::make_shared<int>(1);
   CLI::App* command = app.add_subcommand("sleep", "A bed awake and asleep, and a ball that lands on it");
   command->add_option("--across", *across, "balls along a wall")
       ->check(CLI::Range(2, 500))
       ->capture_default_str();
   command->add_option("--layers", *layers, "of balls")->check(CLI::Range(1, 200))->capture_default_str();
+  command->add_option("--drop", *drop, "radii that the ball falls from above the topmost")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
   command->add_option("--threads", *threads)->check(CLI::PositiveNumber)->capture_default_str();
   command->callback([=, &status] {
-    compare(*across, *layers, *threads);
+    compare(*across, *layers, *drop, *threads);
     status = 0;
   });
 }

@@ -4,10 +4,14 @@
 // where grains and bodies end up is compared with a reference: RKF45 at a far smaller tolerance. The
 // reference is checked before anything is printed: at a tolerance ten times larger it must say the same, to a
 // fraction of the smallest error shown.
+//
+// Spheres also by LAMMPS, if it is there, from the same state: its law of friction is not quite ours, so its
+// errors are those against its own run at a fiftieth of its shortest step.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -18,8 +22,10 @@
 #include <vector>
 
 #include "demos/render/plot.h"
+#include "granular/io/lammps_writer.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/work_precision_scenes.h"
+#include "tests/lammps_program.h"
 
 namespace granular_bench {
 namespace {
@@ -28,6 +34,7 @@ using namespace granular;
 
 struct Options {
   std::string scene = "spheres-flowing", out = "work-precision";
+  std::filesystem::path lammps = GRANULAR_LAMMPS;
   int spheresPerSide = 8, repeats = 1;
 };
 
@@ -47,6 +54,8 @@ struct Point {
 constexpr double kReferenceTolerance = 1e-9;
 // The reference has to be this much better than the smallest error printed.
 constexpr double kReferenceMargin = 0.2;
+constexpr std::int64_t kLammpsSteps = 2048;    // most of them
+constexpr std::int64_t kLammpsReference = 50;  // times as many for its reference
 
 std::vector<Sweep> sweeps(const PrecisionScene& scene) {
   // Step bounds at their loosest, so that tolerances decide.
@@ -169,6 +178,28 @@ class Study {
     curves_.push_back({sweep.name, points});
   }
 
+  /// LAMMPS's velocity Verlet, where the scene is one of spheres only.
+  void runLammps() {
+    const GranularSystem system = scene_.build({});
+    if (options_.lammps.empty() || system.particleCount() != system.grainCount()) return;
+    const std::filesystem::path folder = std::filesystem::path(options_.out) / "lammps";
+    const LammpsOutcome reference = stepByLammps(kLammpsSteps * kLammpsReference, folder);
+    std::vector<Point> points;
+    for (double steps = 16; steps <= kLammpsSteps; steps *= std::sqrt(2.0)) {
+      const auto count = static_cast<std::int64_t>(std::lround(steps));
+      const LammpsOutcome run = stepByLammps(count, folder);
+      points.push_back(
+          {.evaluations = static_cast<double>(count),
+           .seconds = run.seconds,
+           .position = run.rootMeanSquare(reference, &granular_test::DumpedAtom::position) / scene_.radius,
+           .velocity = run.rootMeanSquare(reference, &granular_test::DumpedAtom::velocity),
+           .energy = std::numeric_limits<double>::quiet_NaN()});
+      rows_.push_back({"LAMMPS", "fixedSubStep", scene_.horizon / static_cast<double>(count), points.back()});
+    }
+    curves_.push_back({"LAMMPS, fixed", points});
+    std::filesystem::remove_all(folder);
+  }
+
   void print() const {
     const std::vector<double> errors{1e-2, 1e-3, 1e-4, 1e-5};
     std::printf("%-28s", "evaluations at rms error");
@@ -221,6 +252,33 @@ class Study {
     std::vector<Point> points;
   };
 
+  struct LammpsOutcome {
+    std::vector<granular_test::DumpedAtom> atoms;
+    double seconds = 0.0;
+
+    double rootMeanSquare(const LammpsOutcome& other, Vector3 granular_test::DumpedAtom::*what) const {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < atoms.size(); ++i)
+        sum += (atoms[i].*what - other.atoms[i].*what).squaredNorm();
+      return std::sqrt(sum / static_cast<double>(atoms.size()));
+    }
+  };
+
+  LammpsOutcome stepByLammps(std::int64_t steps, const std::filesystem::path& folder) const {
+    GranularSystem system = scene_.build({.stepper = Stepper::Verlet});
+    writeState(start_, system);
+    std::filesystem::remove_all(folder);
+    writeLammps(
+        system, folder,
+        {.timeStep = scene_.horizon / static_cast<double>(steps), .steps = steps, .dumpEvery = steps});
+    const granular_test::LammpsRun run = granular_test::runLammps(options_.lammps, folder);
+    const granular_test::DumpedState state = granular_test::readDump(folder).back();
+    if (state.step != steps || state.atoms.size() != start_.grains.size()) {
+      throw std::runtime_error(scene_.name + ": LAMMPS's last state is not that after the last step");
+    }
+    return {state.atoms, run.loopSeconds};
+  }
+
   granular_demo::Panel panel(const std::string& xLabel, double Point::*x, const std::string& yLabel,
                              double Point::*y) const {
     using granular_demo::Scale;
@@ -230,7 +288,7 @@ class Study {
     for (const Curve& curve : curves_) {
       granular_demo::Series series{.name = curve.name, .marker = granular_demo::Marker::circle};
       for (const Point& point : curve.points) {
-        if (!(point.position < 1.0)) continue;  // it flew apart
+        if (!(point.position < 1.0) || !std::isfinite(point.*y)) continue;  // it flew apart, or is not known
         series.x.push_back(point.*x);
         series.y.push_back(point.*y);
       }
@@ -255,6 +313,7 @@ void workPrecision(const Options& options) {
     found = true;
     Study study(scene, options);
     for (const Sweep& sweep : sweeps(scene)) study.run(sweep);
+    study.runLammps();
     study.print();
     study.writeFiles();
   }
@@ -276,6 +335,7 @@ void addWorkPrecisionCommand(CLI::App& app, int& status) {
   command->add_option("--repeats", options->repeats, "Runs a setting, the fastest of which is shown")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
+  command->add_option("--lammps", options->lammps, "LAMMPS's program; empty: without it");
   command->add_option("--out", options->out, "Folder for the CSV and PNG files")->capture_default_str();
   command->callback([options, &status] {
     workPrecision(*options);

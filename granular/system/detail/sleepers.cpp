@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "granular/system/detail/sleepers.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace granular::detail {
@@ -16,6 +18,16 @@ Vector3 netForceOn(const Owner& owner, const SleeperLoad& load) {
 }
 Vector3 netTorqueOn(const Owner& owner, const SleeperLoad& load) {
   return owner.angularFactor.cwiseProduct(load.torque + load.awakeTorque) + load.hostLoad.torque;
+}
+
+/// By how much a mean over `memory` seconds goes towards what has been for `passed` seconds.
+double shareOf(double passed, double memory) {
+  return passed > 0.0 ? -std::expm1(-passed / memory) : 0.0;
+}
+
+void relax(Wrench& mean, const Wrench& net, double share) {
+  mean.force += share * (net.force - mean.force);
+  mean.torque += share * (net.torque - mean.torque);
 }
 
 }  // namespace
@@ -76,21 +88,53 @@ Vector3 SleeperLoads::takeAwake(const Evaluation& evaluation) {
   return sum;
 }
 
-const std::vector<std::int32_t>& SleeperLoads::findUnbalanced(const Evaluation& evaluation, double fraction) {
+Held& SleeperLoads::recordOf(OwnerKind kind, std::int32_t index) {
+  std::vector<Held>& all = kind == OwnerKind::Grain ? ofGrain_ : ofBody_;
+  if (all.size() <= static_cast<std::size_t>(index)) all.resize(index + 1);
+  return all[index];
+}
+
+void SleeperLoads::begin(OwnerKind kind, std::int32_t index, double now, const Wrench& mean) {
+  recordOf(kind, index) = {.mean = mean, .last = {}, .carried = 0.0, .time = now};
+}
+
+Wrench SleeperLoads::heldBy(OwnerKind kind, std::int32_t index, double memory) const {
+  const std::vector<Held>& all = kind == OwnerKind::Grain ? ofGrain_ : ofBody_;
+  if (all.size() <= static_cast<std::size_t>(index)) return {};
+  Wrench mean = all[index].mean;
+  relax(mean, all[index].last, shareOf(lastLook_ - all[index].time, memory));
+  return mean;
+}
+
+const std::vector<std::int32_t>& SleeperLoads::findUnbalanced(const Evaluation& evaluation, double fraction,
+                                                              double now, double memory) {
   const Layout& layout = evaluation.layout();
   unbalanced_.clear();
   awakeNet_ = takeAwake(evaluation);
   lookAt_.insert(lookAt_.end(), touched_.begin(), touched_.end());
-  for (const std::int32_t s : lookAt_) {
+  std::sort(lookAt_.begin(), lookAt_.end());
+  lookAt_.erase(std::unique(lookAt_.begin(), lookAt_.end()), lookAt_.end());
+  lookedAt_.swap(lookAt_);
+  lookAt_ = touched_;
+  for (const std::int32_t s : lookedAt_) {
     const std::int32_t o = layout.firstSleeper + s;
     const Owner& owner = layout.owners[o];
     const SleeperLoad& load = loads_[s];
-    if (isUnbalanced(owner, netForceOn(owner, load), netTorqueOn(owner, load),
-                     load.carried + load.awakeCarried, fraction)) {
-      unbalanced_.push_back(o);
-    }
+    const Wrench net{.force = netForceOn(owner, load), .torque = netTorqueOn(owner, load)};
+    const double carried = load.carried + load.awakeCarried;
+    Held& held = recordOf(owner.kind, owner.index);
+    // Before the last look at anybody its forces stayed as they had been when it was looked at.
+    relax(held.mean, held.last, shareOf(lastLook_ - held.time, memory));
+    const double share = shareOf(now - std::max(lastLook_, held.time), memory);
+    relax(held.mean, net, share);
+    held.carried = held.carried > 0.0 ? held.carried + share * (carried - held.carried) : carried;
+    held.last = net;
+    held.time = now;
+    // What nobody awake touches is out of balance for good.
+    const Wrench& felt = load.wasTouched ? held.mean : net;
+    if (isUnbalanced(owner, felt.force, felt.torque, held.carried, fraction)) unbalanced_.push_back(o);
   }
-  lookAt_ = touched_;
+  lastLook_ = now;
   return unbalanced_;
 }
 

@@ -123,7 +123,7 @@ class GranularSystem::Impl {
 
   // ---- sleep
   SleepDef sleep;
-  std::vector<detail::FrozenContact> frozen;  // in the order in which they were frozen
+  std::vector<FrozenContact> frozen;  // in the order in which they were frozen
   detail::FrozenTotals frozenTotals;
   detail::SleeperLoads sleeperLoads;
   std::vector<detail::Rest> restOfGrain, restOfBody;  // by index
@@ -170,17 +170,20 @@ class GranularSystem::Impl {
   Totals sumUp();
   void addOwner(std::int32_t o, Totals& sum) const;
 
-  // ---- sleep (system_sleep.cpp)
+  // ---- sleep (system_sleep.cpp, system_frozen.cpp)
   bool isAwake(OwnerKind kind, std::int32_t index) const;
   void wake(OwnerKind kind, std::int32_t index);
   void wakeAll();
   void wakeTouching(std::int32_t body);
   void notePlaced(std::int32_t body);
+  bool exists(OwnerKind kind, std::int32_t index) const;
+  bool exists(const RememberedContact& c) const;
   std::vector<RememberedContact> memoryOfAwake();
+  std::vector<RememberedContact> amongAwake(std::vector<RememberedContact> memory) const;
   void loadSleepers();
   void sumFrozen();
   bool sleepOrWake(double now);
-  bool wakeUnbalanced(double passed);
+  bool wakeUnbalanced(double now, double passed);
   bool wakeNearMoving();
   bool movesUnfelt(std::int32_t o) const;
   bool fallAsleep();
@@ -190,6 +193,7 @@ class GranularSystem::Impl {
   void freeze(const std::vector<char>& quiet);
   void storeSleepers(double dt);
   void addFrozen(std::vector<ContactView>& contacts) const;
+  void putToSleep(const SleepState& kept);
 
   void setStepper();
   void evaluateNow(double t);

@@ -221,10 +221,11 @@ void GranularSystem::Impl::acceptTrial(const Trial& trial, bool isLast, StepRepo
 /// somebody wakes or falls asleep. Returns the time reached.
 double GranularSystem::Impl::integrate(double dt, StepReport& report) {
   double t = 0.0;
+  bool isNew = true;  // a rejected trial leaves contacts that never were
   while (t < dt) {
     if (isBudgetSpent(report)) return t;
     evaluateNow(t);
-    if (sleepOrWake(partStart + t)) return t;
+    if (isNew && sleepOrWake(partStart + t)) return t;
     report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
     if (evaluation.isSortDue()) sortState();
     const Trial trial = planTrial(dt, dt - t, report);
@@ -241,6 +242,7 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     } else {
       ++report.rejectedTrials;
     }
+    isNew = accepted;
     evaluation.stageSeconds[static_cast<int>(Stage::AdvanceState)] +=
         std::chrono::duration<double>(Clock::now() - stepStart).count();
     if (accepted && !std::isfinite(error)) return t;

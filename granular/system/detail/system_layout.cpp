@@ -44,7 +44,7 @@ void GranularSystem::Impl::setStepper() {
 void GranularSystem::Impl::prepare() {
   if (!layoutIsOld) return;
   std::vector<RememberedContact> memory = memoryOfAwake();
-  if (givenMemory) memory = *givenMemory;
+  if (givenMemory) memory = amongAwake(std::move(*givenMemory));
   givenMemory.reset();
   makeLayout();
   loadSurroundings();

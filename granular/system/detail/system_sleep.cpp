@@ -6,10 +6,9 @@
 // that wakes takes its nearest neighbours with it, so that a wave does not make a new layout at every contact
 // that it reaches. Contacts in which only a surface could tell (no particle of the awake side is in the
 // candidate list) are not left to forces: what comes near a moving body's exact surface, or near a kinematic
-// body that moves, is woken before they touch, and stays awake.
+// body that moves, is woken before they touch, and stays awake. What is kept of sleepers: system_frozen.cpp.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -20,12 +19,11 @@ namespace granular {
 namespace {
 
 namespace state = detail::state;
-using detail::FrozenContact;
 
 constexpr double kLooksPerRest = 8.0;
 
 // How many contacts away from a sleeper that lost its balance others are woken too.
-constexpr int kWakeRings = 2;
+constexpr int kWakeRings = 1;
 
 // What moves keeps this distance to sleepers, in smallest radii, where forces could not wake them in time;
 // looked at anew whenever it has moved half as far. A sub-step moves nothing farther than a quarter radius.
@@ -78,76 +76,6 @@ void GranularSystem::Impl::notePlaced(std::int32_t body) {
   if (sleep.enabled) placedBodies.push_back(body);
 }
 
-/// What the next layout's contacts remember. Frozen contacts of what has woken are among them, and frozen no
-/// longer; those of owners that are gone are forgotten.
-std::vector<RememberedContact> GranularSystem::Impl::memoryOfAwake() {
-  const auto anyAwake = [&](const RememberedContact& c) {
-    return isAwake(c.kind[0], c.index[0]) || isAwake(c.kind[1], c.index[1]);
-  };
-  const auto isAlive = [&](OwnerKind kind, std::int32_t index) {
-    return kind == OwnerKind::Grain ? grains[index].alive : bodies[index].alive;
-  };
-  std::vector<RememberedContact> memory = evaluation.exportMemory(y);
-  if (frozen.empty()) return memory;
-  std::erase_if(memory, [&](const RememberedContact& c) { return !anyAwake(c); });
-  std::erase_if(frozen, [&](const FrozenContact& contact) {
-    const RememberedContact& c = contact.memory;
-    const bool exists = isAlive(c.kind[0], c.index[0]) && isAlive(c.kind[1], c.index[1]);
-    if (exists && !anyAwake(c)) return false;
-    if (exists && contact.remembers) memory.push_back(c);
-    return true;
-  });
-  return memory;
-}
-
-void GranularSystem::Impl::loadSleepers() {
-  const detail::Layout& layout = evaluation.layout();
-  std::vector<Pose>& asleep = evaluation.surroundings().asleep;
-  asleep.clear();
-  for (std::int32_t o = layout.firstSleeper; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
-    const detail::Owner& owner = layout.owners[o];
-    const bool isGrain = owner.kind == OwnerKind::Grain;
-    asleep.push_back(isGrain ? grainMotions[owner.index].pose : bodies[owner.index].motion.pose);
-  }
-}
-
-/// Everything about sleepers that stays until somebody wakes or falls asleep.
-void GranularSystem::Impl::sumFrozen() {
-  const detail::Layout& layout = evaluation.layout();
-  frozenTotals = {};
-  frozenEnds.clear();
-  frozenWrenches.assign(bodies.size(), Wrench{});
-  for (const FrozenContact& contact : frozen) {
-    const RememberedContact& c = contact.memory;
-    std::int32_t owners[2];
-    for (int side = 0; side < 2; ++side) {
-      const bool isBody = c.kind[side] == OwnerKind::Body;
-      owners[side] = (isBody ? ownerOfBody : ownerOfGrain)[c.index[side]];
-      if (!isBody) continue;
-      const Vector3 force = side == 0 ? contact.force : Vector3(-contact.force);
-      Wrench& wrench = frozenWrenches[c.index[side]];
-      wrench.force += force;
-      wrench.torque += (contact.point - bodies[c.index[side]].motion.pose.position).cross(force);
-    }
-    frozenEnds.push_back({owners[0], owners[1]});
-    frozenTotals.elastic += contact.normalEnergy + memoryEnergy(c.stiffness, c.displacement);
-    frozenTotals.overlapSum += contact.relativeOverlap;
-    frozenTotals.largestOverlap = std::max(frozenTotals.largestOverlap, contact.relativeOverlap);
-  }
-  std::vector<Vector3> weights;
-  std::vector<Wrench> loads;
-  for (std::int32_t o = layout.firstSleeper; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
-    const detail::Owner& owner = layout.owners[o];
-    const bool isGrain = owner.kind == OwnerKind::Grain;
-    const Vector3 pull = isGrain ? gravity : bodies[owner.index].gravity.value_or(gravity);
-    const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
-    weights.push_back(mass * pull);
-    loads.push_back(isGrain ? Wrench{} : bodies[owner.index].load);
-    frozenTotals.potential -= mass * owner.linearFactor.cwiseProduct(pull).dot(evaluation.center(o));
-  }
-  sleeperLoads.reset(evaluation, frozen, frozenEnds, weights, loads);
-}
-
 /// Between two sub-steps, the present state just evaluated. Whether the layout has become old by it.
 bool GranularSystem::Impl::sleepOrWake(double now) {
   if (!sleep.enabled) return false;
@@ -156,7 +84,7 @@ bool GranularSystem::Impl::sleepOrWake(double now) {
   guardedFrom.resize(bodies.size());
   const double passed = now - clock;
   clock = now;
-  bool changed = wakeUnbalanced(passed);
+  bool changed = wakeUnbalanced(now, passed);
   changed |= wakeNearMoving();
   if (now >= nextInspection) {
     nextInspection = now + sleep.restTime / kLooksPerRest;
@@ -165,11 +93,12 @@ bool GranularSystem::Impl::sleepOrWake(double now) {
   return changed;
 }
 
-bool GranularSystem::Impl::wakeUnbalanced(double passed) {
+bool GranularSystem::Impl::wakeUnbalanced(double now, double passed) {
   const detail::Layout& layout = evaluation.layout();
   if (layout.sleeperCount() == 0) return false;
   const Vector3 netBefore = sleeperLoads.netForce();
-  const std::vector<std::int32_t>& lost = sleeperLoads.findUnbalanced(evaluation, sleep.wakeImbalance);
+  const std::vector<std::int32_t>& lost =
+      sleeperLoads.findUnbalanced(evaluation, sleep.wakeImbalance, now, sleep.restTime);
   heldImpulse += 0.5 * passed * (netBefore + sleeperLoads.netForce());
   if (lost.empty()) return false;
   std::vector<char> wakes(layout.owners.size(), 0);
@@ -324,85 +253,6 @@ bool GranularSystem::Impl::fallAsleep() {
   guardedFrom.assign(bodies.size(), std::nullopt);  // new sleepers
   layoutIsOld = true;
   return true;
-}
-
-/// The quiet ones stand still from now on, and contacts among what stands still stay as they are. What was
-/// left of their motion has become heat.
-void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
-  const detail::Layout& layout = evaluation.layout();
-  const auto isStill = [&](std::int32_t o) { return o < layout.dynamicCount() ? quiet[o] : !movesUnfelt(o); };
-  evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
-    if (!isStill(layout.ownerOfSlot[contact.slot1]) || !isStill(layout.ownerOfSlot[contact.slot2])) return;
-    FrozenContact& still = frozen.emplace_back();
-    still.remembers = evaluation.describe(contact, y, still.memory);
-    still.force = f.force;
-    still.point = f.point;
-    still.overlap = f.overlap;
-    still.relativeOverlap = evaluation.relativeOverlap(contact, f.overlap);
-    still.normalEnergy = evaluation.elasticEnergy(contact, f);
-  });
-  for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
-    if (!quiet[o]) continue;
-    const detail::Owner& owner = layout.owners[o];
-    double* own = y.data() + layout.stateOf(o);
-    Eigen::Map<Vector3> velocity(own + state::kVelocity), angularMomentum(own + state::kAngularMomentum);
-    const Vector3 momentum = velocity / owner.inverseMass;
-    heat += 0.5 * momentum.dot(velocity) + 0.5 * readOwner(o).angularVelocity.dot(angularMomentum);
-    heldImpulse += momentum;
-    velocity.setZero();
-    angularMomentum.setZero();
-    (owner.kind == OwnerKind::Grain ? grains[owner.index].asleep : bodies[owner.index].asleep) = true;
-    ++fellAsleep;
-  }
-}
-
-/// Impulses of frozen contacts over dt: what a sleeping body is carried with, and on kinematic bodies.
-void GranularSystem::Impl::storeSleepers(double dt) {
-  const detail::Layout& layout = evaluation.layout();
-  const std::int32_t firstBody = layout.firstSleeper + layout.sleepingGrains;
-  for (std::int32_t o = firstBody; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
-    detail::BodyRecord& record = bodies[layout.owners[o].index];
-    const Vector3 weight = record.mass * record.gravity.value_or(gravity);
-    record.impulse.force -= dt * (record.linearFactor.cwiseProduct(weight) + record.load.force);
-    record.impulse.torque -= dt * record.load.torque;
-  }
-  if (frozen.empty()) return;
-  for (std::int32_t o = layout.dynamicCount(); o < layout.movingCount(); ++o) {
-    const std::int32_t b = layout.owners[o].index;
-    bodies[b].impulse.force += dt * frozenWrenches[b].force;
-    bodies[b].impulse.torque += dt * frozenWrenches[b].torque;
-  }
-}
-
-/// Puts frozen contacts among those that were evaluated, each seen from the owner that it is seen from when
-/// all are awake, in the order that they then have.
-void GranularSystem::Impl::addFrozen(std::vector<ContactView>& contacts) const {
-  for (const FrozenContact& still : frozen) {
-    ContactView view{.point = still.point, .force = still.force, .overlap = still.overlap};
-    for (int side = 0; side < 2; ++side) {
-      view.ownerKind[side] = still.memory.kind[side];
-      view.ownerIndex[side] = still.memory.index[side];
-      view.particle[side] = still.memory.local[side];
-    }
-    contacts.push_back(view);
-  }
-  const auto place = [&](const ContactView& view, int side) {
-    const bool isGrain = view.ownerKind[side] == OwnerKind::Grain;
-    const BodyMotion type = isGrain ? BodyMotion::Dynamic : bodies[view.ownerIndex[side]].motionType;
-    const int held = type == BodyMotion::Dynamic ? 0 : type == BodyMotion::Kinematic ? 1 : 2;
-    const bool isSurface = view.particle[side] < 0;
-    return std::tuple(isSurface, held, !isGrain, view.ownerIndex[side], view.particle[side]);
-  };
-  for (ContactView& view : contacts) {
-    if (place(view, 0) < place(view, 1)) continue;
-    std::swap(view.ownerKind[0], view.ownerKind[1]);
-    std::swap(view.ownerIndex[0], view.ownerIndex[1]);
-    std::swap(view.particle[0], view.particle[1]);
-    view.force = -view.force;
-  }
-  std::sort(contacts.begin(), contacts.end(), [&](const ContactView& a, const ContactView& b) {
-    return std::pair(place(a, 0), place(a, 1)) < std::pair(place(b, 0), place(b, 1));
-  });
 }
 
 }  // namespace granular
