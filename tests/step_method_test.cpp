@@ -163,6 +163,33 @@ INSTANTIATE_TEST_SUITE_P(
                     StepperFacts{Stepper::BogackiShampine, "BogackiShampine", 3, 3, 3, 3}),
     [](const auto& facts) { return facts.param.name; });
 
+// At critical damping leapfrog bears w0 h = 0.47 without being told, as Verlet 0.83 with.
+TEST(KickDrift, LeapfrogBearsDampingThatItExpects) {
+  constexpr double kStep = 0.7, kCritical = 2.0;
+  constexpr int kSteps = 200;
+  double reached[2];
+  for (const bool expects : {false, true}) {
+    Oscillator oscillator(kCritical);
+    const auto leapfrog = makeStepMethod(Stepper::Leapfrog);
+    if (expects) leapfrog->expectDamping(2.0 / kStep);
+    const std::vector<double> y = run(*leapfrog, oscillator, kSteps * kStep, kSteps);
+    reached[expects] = std::hypot(y[0], y[1]);
+  }
+  EXPECT_GT(reached[0], 1e3);
+  EXPECT_LT(reached[1], 1e-3);
+}
+
+TEST(KickDrift, LeapfrogIsOfSecondOrderWhileItExpectsDamping) {
+  constexpr double kTime = 5.0;
+  const auto errorOf = [](int steps) {
+    Oscillator oscillator(0.5);
+    const auto leapfrog = makeStepMethod(Stepper::Leapfrog);
+    leapfrog->expectDamping(2.0 * steps / kTime);
+    return distance(run(*leapfrog, oscillator, kTime, steps), oscillator.exact(kTime));
+  };
+  EXPECT_NEAR(std::log2(errorOf(200) / errorOf(400)), 2.0, 0.1);
+}
+
 TEST(KickDrift, KeepsTheEnergyOfAnOscillatorOverManyTurns) {
   // Symplectic: the energy swings by h^2/4 of itself and has no trend.
   for (const Stepper stepper : {Stepper::Leapfrog, Stepper::Verlet}) {

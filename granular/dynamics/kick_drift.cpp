@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "granular/dynamics/kick_drift.h"
 
+#include <algorithm>
+
 namespace granular {
 namespace {
 
@@ -14,6 +16,9 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);
+  if (const double p = weightOfBefore(h); p > 0.0) {
+    equations.kick(y, (1.0 - p) * table_.kick * h, firstRate_, p * table_.kick * h, rateBefore_, result_);
+  }
   equations.evaluate(
       {.time = t + h, .sinceTrial = h, .memoryStep = table_.memoryStep * h, .poseRates = needsPoseRates()},
       result_, lastRate_);
@@ -21,6 +26,14 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   if (table_.errorOrder == 0) return;
   error_.resize(equations.errorCount(y));
   estimateError(equations.executor(), h);
+}
+
+/// Part of the acceleration before in the prediction: the least that bears the damping to be expected.
+double KickDrift::weightOfBefore(double h) const {
+  constexpr double kMost = 0.25;  // more would bear less again
+  const double damping = dampingRate_ * h;
+  if (!(lengthBefore_ > 0.0) || !(damping > table_.dampingLimit)) return 0.0;
+  return std::min(kMost, 0.5 * (1.0 - table_.dampingLimit / damping));
 }
 
 /// What the trapezoidal rule leaves out, h^3/12 of the second derivative of the rate, which is taken from the

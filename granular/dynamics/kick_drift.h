@@ -8,6 +8,11 @@
 //   semi-implicit Euler   kick, then drift with the new momenta
 //
 // Without forces that depend on velocity the first two are the same, symplectic, and energy has no trend.
+//
+// Leapfrog's prediction v + h a bears damping of rates up to 1/h; Verlet's v + h a / 2 up to 2/h. What lies
+// between is won by predicting with a mean of the last two accelerations, v + h ((1 - p) a + p a_before):
+// also of second order, it bears 1/((1 - 2 p) h), at p = 1/4 as much as Verlet at every damping of a spring.
+// Its error is up to 1.7 times as large, so p is no larger than the damping to be expected asks for.
 #pragma once
 
 #include "granular/dynamics/step_method.h"
@@ -59,6 +64,7 @@ class KickDrift final : public StepMethod {
 
   void trial(Equations& equations, const std::vector<double>& y, double t, double h) override;
   bool accept(double h) override;
+  void expectDamping(double rate) override { dampingRate_ = rate; }
   int errorOrder() const override { return table_.errorOrder; }
   double dampingLimit() const override { return table_.dampingLimit; }
   bool needsPoseRates() const override { return table_.errorOrder > 0; }  // the estimate does
@@ -67,11 +73,13 @@ class KickDrift final : public StepMethod {
  private:
   void forget() override { lengthBefore_ = 0.0; }
   void estimateError(const Executor& executor, double h);
+  double weightOfBefore(double h) const;
 
   const KickDriftTable& table_;
   std::vector<double> lastRate_,
       rateBefore_;             // at the end of the trial; at the start of the one accepted before
   double lengthBefore_ = 0.0;  // of that one, s; 0: none
+  double dampingRate_ = 0.0;   // to be expected, 1/s
 };
 
 }  // namespace granular

@@ -32,6 +32,9 @@ class StepMethod {
   /// Largest product of a rate of damping and the step that it bears.
   virtual double dampingLimit() const = 0;
 
+  /// Largest rate of damping to be expected in the next trial, 1/s: some bear more of it at a cost in error.
+  virtual void expectDamping(double) {}
+
   /// Whether its trials read the rates of poses.
   virtual bool needsPoseRates() const { return true; }
   /// What it keeps from one trial to the next, in the order of the state: for whoever puts that into another.
