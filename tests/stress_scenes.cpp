@@ -212,7 +212,7 @@ double largestRateByRkf45() {
 
 double advisedModulus(double speed) {
   Watched scene({}, {.density = kDensity, .youngsModulus = 1e7});
-  scene.addBall(kNone);
+  for (const double x : {0.0, 1.0}) scene.addBall({x, 0, 0});  // two that may meet
   const std::string before = "youngsModulus of ", after = " Pa in place of ";
   for (const std::string& line : scene.system.advice(speed)) {
     const std::size_t end = line.find(after);
