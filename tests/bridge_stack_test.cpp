@@ -104,6 +104,22 @@ TEST(StaticFriction, LetsACubeSlideThatIsPushedBeyondTheLimit) {
   EXPECT_NEAR(velocityOf(cube).x(), 0.2 * 0.25 * kGravity * 0.5, 0.05 * 0.2 * 0.25 * kGravity * 0.5);
 }
 
+/// Three cubes of 1 t, the top one thrown along at 1 m/s: friction turns its 500 J into heat.
+TEST(SlidingCubes, EnergyIsAccountedFor) {
+  Cubes stack(1.0);
+  for (int i = 0; i < 3; ++i) stack.add({0.0, 0.5 + i, 0.0});
+  stack.cubes[2]->setLinearVelocity(vec(1, 0, 0));
+  const double thrown = 0.5 * massOfCube(1.0);
+  const double start = thrown + massOfCube(1.0) * kGravity * (0.5 + 1.5 + 2.5);
+  for (int i = 0; i < 18; ++i) {
+    stack.run(kTick);
+    const granular::StepReport& report = stack.scene.world->lastStep();
+    // Springs hold what 3 t weigh and friction bears: some 1 J.
+    EXPECT_LT(report.energy.elastic, 0.01 * thrown);
+    EXPECT_NEAR(report.energy.total() + report.dissipated, start, 0.02 * thrown);
+  }
+}
+
 TEST(MeetBodies, BySurfaceIsRefusedByNameForACompoundOfSeveralParts) {
   SandScene scene;
   auto& compound = scene.shape<btCompoundShape>();

@@ -175,6 +175,16 @@ TEST(StaticFriction, SettlingChangesNoForce) {
   }
 }
 
+TEST(StaticFriction, SpringHoldsNoMoreThanTheLimitHoweverFastItSlides) {
+  const ShearConstants c{.mu = 0.5, .dashpot = 3.0};
+  const Vector3 D(3e-6, 0, -4e-6);
+  for (const double speed : {1e-3, 1.0, 1e3}) {
+    const Vector3 Vt = speed * D.normalized();
+    const Vector3 settled = StaticFriction::settled<double>(c, 2.0, 1e6, Vt, D, true);
+    EXPECT_LT((1e6 * settled - D.normalized()).norm(), 1e-12 * (1.0 + c.dashpot * speed)) << "1 N along D";
+  }
+}
+
 TEST(Coulomb, PushesWithFullFrictionAsSoonAsItSlides) {
   const ShearConstants c{.mu = 0.5, .slipCompliance = 1e-3};
   const Vector3 Vt(0.0, 0.0, 0.2);
