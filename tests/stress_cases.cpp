@@ -50,7 +50,9 @@ void addBounds(std::vector<Case>& cases) {
                                                {Stepper::Verlet, 2.0},
                                                {Stepper::SemiImplicitEuler, 2.0},
                                                {Stepper::Rkf45, largestRateByRkf45()}};
-  for (const auto& [stepper, limit] : limits) {
+  for (const std::pair<Stepper, double>& bound : limits) {
+    const Stepper stepper = bound.first;
+    const double limit = bound.second;
     cases.push_back({.name = std::string("law 18's rate kept, ") + nameOf(stepper),
                      .setUp = text("a ball slides, dt kt (1/m + R^2/I) = 0.98 x %.3f", limit),
                      .expectation = "sliding dies away: speed never above that of the start",

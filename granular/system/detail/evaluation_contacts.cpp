@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The stages that find contacts and work out their forces: which laws hold between which kinds of particles,
-// where two particles meet, and runs of contacts through the kernel compiled for their two laws.
+// The stages that find contacts and work out their forces: where two particles meet,
+// and runs of contacts through the kernel compiled for their two laws.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <variant>
 
 #include "granular/contact/law_list.h"
@@ -21,65 +20,6 @@ const Vector3 kAnyDirection = Vector3::UnitY();
 constexpr std::int32_t kContactsPerRun = 256;  // handed to a kernel at a time, at most
 
 }  // namespace
-
-PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
-  const ParticleKind &a = layout_.kinds[kindA], &b = layout_.kinds[kindB];
-  return makePairLaw(materialPairs_[a.material * materials_.size() + b.material],
-                     sideOf(a, materials_[a.material]), sideOf(b, materials_[b.material]));
-}
-
-void Evaluation::makePairLaws() {
-  const auto kinds = static_cast<std::int32_t>(layout_.kinds.size());
-  pairLaws_.assign(layout_.kinds.size() * layout_.kinds.size(), PairLaw{});
-  for (std::int32_t a = 0; a < kinds; ++a) {
-    for (std::int32_t b = 0; b < kinds; ++b) {
-      // Two planes, or two held things: they never meet, and nothing could be said of them.
-      const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
-      if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
-        pairLaws_[a * kinds + b] = makeLaw(a, b);
-      }
-    }
-  }
-}
-
-/// Whether anything that is there remembers, and whether it is all grains of one material: scenes without
-/// memory, and plain ones, do not pay for what others need.
-void Evaluation::noteLaws() {
-  std::vector<bool> isThere(materials_.size(), false);
-  for (const ParticleKind& kind : layout_.kinds) isThere[kind.material] = true;
-  isUniform_ = layout_.dynamicBodies == 0 && std::count(isThere.begin(), isThere.end(), true) == 1;
-  hasMemory_ = false;
-  for (std::size_t a = 0; a < materials_.size(); ++a) {
-    for (std::size_t b = 0; b < materials_.size(); ++b) {
-      if (!isThere[a] || !isThere[b]) continue;
-      hasMemory_ |= withShearLaw(materialPairs_[a * materials_.size() + b].def.shear.law,
-                                 []<class Law>(Law) { return Law::kHasMemory; });
-    }
-  }
-}
-
-PairLaw Evaluation::pairLaw(const Contact& contact) const {
-  const std::int32_t kind1 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot1]];
-  const std::int32_t kind2 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot2]];
-  return lawsByKind_ ? pairLaws_[kind1 * layout_.kinds.size() + kind2] : makeLaw(kind1, kind2);
-}
-
-Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies,
-                                             bool ofParticles) const {
-  const MaterialPair& pair = materialPairs_[material1 * materials_.size() + material2];
-  const bool isKnown = kernels_->forces[static_cast<int>(pair.normalOf(ofBodies).law)][0] != nullptr;
-  return {&pair, ofBodies, isKnown && ofParticles};
-}
-
-Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
-  const bool ofParticles = contact.slot2 < layout_.particleCount;
-  const std::int32_t first = layout_.kinds.front().material;
-  if (isUniform_) return ruleBetween(first, first, false, ofParticles);
-  const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
-  const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
-  const bool ofBodies = owner1.isBody != 0 && owner2.isBody != 0;
-  return ruleBetween(owner1.material, owner2.material, ofBodies, ofParticles);
-}
 
 /// Candidates of a piece of rows that overlap.
 void Evaluation::findContacts(std::int32_t piece, const ContactArrays& arrays) {
@@ -399,19 +339,6 @@ double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& for
     if (!contactGeometry<Normal, RegularisedCoulomb>(contact, g)) return 0.0;
     return g.share * Normal::elasticEnergy(constants, std::sqrt(g.meanSquareOverlap));
   });
-}
-
-double Evaluation::referenceContactTime() const {
-  double shortest = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const PairLaw& law) {
-    shortest = std::min(shortest, withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
-                          return contactTimeOfUrgency(Normal::urgency(law.normal, 0.0, 1.0));
-                        }));
-  };
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(layout_.kinds.size()); ++k) {
-    if (layout_.kinds[k].inverseMass > 0.0 && layout_.kinds[k].inverseRadius > 0.0) consider(makeLaw(k, k));
-  }
-  return shortest;
 }
 
 }  // namespace granular::detail

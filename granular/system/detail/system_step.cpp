@@ -94,14 +94,16 @@ StepReport GranularSystem::Impl::step(double dt, const WorkBudget& allowed) {
   fellAsleep = woken = 0;
 
   double done = 0.0;
-  while (done < dt && !isBudgetSpent(report)) {
-    prepare();  // only when something was added, removed or moved by hand, woke or fell asleep
-    partStart = time + done;
-    const double part = integrate(dt - done, report);  // sub-steps                 sec. 3.4
-    storeState(part);
-    quarantineNonFinite(report);  // one bad grain must not poison the pile
-    done = part >= dt - done ? dt : done + part;
-  }
+  evaluation.executor().gather([&] {
+    while (done < dt && !isBudgetSpent(report)) {
+      prepare();  // only when something was added, removed or moved by hand, woke or fell asleep
+      partStart = time + done;
+      const double part = integrate(dt - done, report);  // sub-steps                 sec. 3.4
+      storeState(part);
+      quarantineNonFinite(report);  // one bad grain must not poison the pile
+      done = part >= dt - done ? dt : done + part;
+    }
+  });
   time += done;
   if (done < dt) {
     report.flags = report.flags | StepFlag::BudgetExhausted;
