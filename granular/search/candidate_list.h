@@ -103,7 +103,7 @@ class CandidateList {
   struct Piece {  // what one range of voxels found, on any thread
     std::vector<std::int32_t> slots, counts, partners;
     std::vector<ParticleRow> nearRows;
-    std::vector<std::int32_t> nearSlots;
+    std::vector<std::int32_t> nearSlots, nearRanks, hits;
   };
 
   void placeInHash(const SearchInput& input);
