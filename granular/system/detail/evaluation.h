@@ -167,8 +167,7 @@ class Evaluation {
   template <class Normal>
   NormalConstants normalConstants(const Contact& contact, NormalRequest& request) const;
   template <class Normal>
-  ShearConstants shearConstantsOf(const Contact& contact, const MaterialPair& pair,
-                                  const NormalConstants& normal, const NormalRequest& request) const;
+  PairLaw constantsOf(const Contact& contact, const MaterialPair& pair, NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
   struct PairRule {
     const MaterialPair* pair;

@@ -182,15 +182,17 @@ template <class Normal>
   }
 }
 
-/// The same of the shear law; normal, request: as normalConstants left them.
+/// The same of both laws.
 template <class Normal>
-ShearConstants Evaluation::shearConstantsOf(const Contact& contact, const MaterialPair& pair,
-                                            const NormalConstants& normal,
-                                            const NormalRequest& request) const {
+PairLaw Evaluation::constantsOf(const Contact& contact, const MaterialPair& pair,
+                                NormalRequest& request) const {
   if constexpr (Normal::kByArea) {
-    return pairLaw(contact).shear;
+    return pairLaw(contact);
   } else {
-    return shearConstants<Normal, double>(pair, normal, request.contact.mass, 1.0);
+    PairLaw law;
+    law.normal = normalConstants<Normal>(contact, request);
+    law.shear = shearConstants<Normal, double>(pair, law.normal, request.contact.mass, 1.0);
+    return law;
   }
 }
 
@@ -205,8 +207,7 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
     if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
     return;
   }
-  const NormalConstants normal = normalConstants<Normal>(contact, request);
-  const ShearConstants shear = shearConstantsOf<Normal>(contact, pair, normal, request);
+  const PairLaw law = constantsOf<Normal>(contact, pair, request);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
   ContactMemory memory;
@@ -220,11 +221,11 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
       g.memoryStep = at.memoryStep;
     } else if (g.isNew = true;
                xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(shear)) *
+      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(law.shear)) *
           (g.V - xiDot * g.N);
     }
   }
-  const ContactResult result = contactResult<Normal, Shear>(normal, shear, g, D, &memory);
+  const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, &memory);
   if constexpr (Shear::kHasMemory) {
     contactMemory_[n] = {.displacement = memory.displacement,
                          .stiffness = memory.stiffness,
@@ -238,7 +239,7 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;
   extremes.pushing += result.normalForce != 0.0;
-  extremes.urgency = std::max(extremes.urgency, Normal::urgency(normal, g.xi, xiDot));
+  extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
 
