@@ -2,11 +2,39 @@
 #include "granular/search/candidate_list.h"
 
 #include <algorithm>
+#include <iterator>
+#include <ranges>
 
 namespace granular {
 namespace {
 
-constexpr std::int32_t kVoxelsPerPiece = 256;  // large enough that handing out pieces costs nothing
+constexpr std::int32_t kParticlesPerPiece = 512;  // large enough that handing out pieces costs nothing
+
+/// Tags of those in a run that are near and have a higher tag go to hits; returns the end of them.
+/// No branch: which of some fifty are near, no processor guesses.
+std::uint64_t* findNear(const SpatialHash& hash, const SpatialHash::Run& run, const Vector3& center,
+                        double reach, std::uint64_t tag, std::uint64_t* hits) {
+  const double *x = hash.x().data(), *y = hash.y().data(), *z = hash.z().data(), *r = hash.reach().data();
+  const std::uint64_t* tags = hash.tag().data();
+  for (std::int32_t k = run.begin; k < run.end; ++k) {
+    const double dx = x[k] - center.x(), dy = y[k] - center.y(), dz = z[k] - center.z(), sum = reach + r[k];
+    *hits = tags[k];
+    hits += (dx * dx + dy * dy + dz * dz < sum * sum) & (tags[k] > tag);
+  }
+  return hits;
+}
+
+std::int64_t sizeOf(const std::vector<SpatialHash::Run>& runs) {
+  std::int64_t size = 0;
+  for (const SpatialHash::Run& run : runs) size += run.end - run.begin;
+  return size;
+}
+
+/// Whether surface s, wherever it moves, may come nearer than `reach` to p.
+bool isNear(const SearchInput& input, std::int32_t s, const Vector3& p, double reach) {
+  const double margin = input.surfaceMargin.empty() ? 0.0 : input.surfaceMargin[s];
+  return input.surfaces[s].mayBeWithin(p, reach + margin);
+}
 
 }  // namespace
 
@@ -20,121 +48,142 @@ bool MeetingRules::mayMeet(std::int32_t a, std::int32_t b) const {
          !std::binary_search(excludedPairs.begin(), excludedPairs.end(), pairKey(a, b));
 }
 
-void CandidateList::reset(std::int32_t particleCount, double largestRadius, double skin) {
-  largestRadius_ = largestRadius;
-  skin_ = skin;
-  hash_.reset(2.0 * largestRadius + skin, particleCount);
+void CandidateList::reset() {
+  moving_.reset();
+  fixed_.reset();
   fixedIsPlaced_ = false;
   rowStart_.clear();
   partner_.clear();
 }
 
 void CandidateList::rebuild(const SearchInput& input, const Executor& executor) {
-  placeInHash(input);
-  findActiveVoxels(input);
-  const auto active = static_cast<std::int32_t>(activeVoxels_.size());
-  const std::int32_t pieces = Executor::pieceCount(active, kVoxelsPerPiece);
+  place(input, executor);
+  const MeetingRules& rules = *input.rules;
+  everythingMeets_ = rules.group.empty() && rules.excludedPairs.empty() && rules.bodies.empty();
+  const std::int32_t pieces = Executor::pieceCount(moving_.size(), kParticlesPerPiece);
   if (static_cast<std::int32_t>(pieces_.size()) < pieces) pieces_.resize(pieces);
-  for (Piece& piece : pieces_) {
-    piece.slots.clear();
-    piece.counts.clear();
-    piece.partners.clear();
-  }
+  for (Piece& piece : pieces_) piece.clear();
   executor.forPieces(pieces, [&](std::int32_t p) {
-    const std::int32_t end = std::min(active, (p + 1) * kVoxelsPerPiece);
-    for (std::int32_t v = p * kVoxelsPerPiece; v < end; ++v) searchVoxel(activeVoxels_[v], input, pieces_[p]);
+    searchPiece(p * kParticlesPerPiece, std::min(moving_.size(), (p + 1) * kParticlesPerPiece), input,
+                pieces_[p]);
   });
   joinRows(input, executor);
 }
 
-void CandidateList::placeInHash(const SearchInput& input) {
-  const auto count = static_cast<std::int32_t>(input.particles.size());
-  // Voxels that grains have left for good would be visited for ever.
-  if (hash_.emptyVoxelCount() > 3 * (hash_.voxelCount() - hash_.emptyVoxelCount()) + 1000) {
-    hash_.reset(hash_.voxelEdge(), count);
-    fixedIsPlaced_ = false;
-  }
-  const std::int32_t places = fixedIsPlaced_ ? std::min(count, input.movingCount) : count;
-  for (std::int32_t slot = 0; slot < places; ++slot) {
-    const ParticleRow& row = input.particles[slot];
-    hash_.place(slot, {row.x, row.y, row.z});
-  }
+/// What stands still is placed once; far from anything that moves it is not visited again.
+void CandidateList::place(const SearchInput& input, const Executor& executor) {
+  const std::size_t moving = std::min(input.particles.size(), static_cast<std::size_t>(input.movingCount));
+  moving_.place({.particles = input.particles.first(moving),
+                 .margin = input.margin,
+                 .rank = input.rank.first(moving),
+                 .firstSlot = 0},
+                executor);
+  if (fixedIsPlaced_) return;
+  fixed_.place({.particles = input.particles.subspan(moving),
+                .margin = {},
+                .rank = input.rank.subspan(moving),
+                .firstSlot = static_cast<std::int32_t>(moving)},
+               executor);
   fixedIsPlaced_ = true;
 }
 
-/// Ground far from anything dynamic is not visited.
-void CandidateList::findActiveVoxels(const SearchInput& input) {
-  activeVoxels_.clear();
-  ++rebuilds_;
-  seenInRebuild_.resize(hash_.voxelCount(), 0);
-  for (std::int32_t slot = 0; slot < input.dynamicCount; ++slot) {
-    const std::int32_t voxel = hash_.voxelOf(slot);
-    if (seenInRebuild_[voxel] == rebuilds_) continue;
-    seenInRebuild_[voxel] = rebuilds_;
-    activeVoxels_.push_back(voxel);
+/// Voxels that begin within [begin, end) of the hash.
+void CandidateList::searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input,
+                                Piece& piece) const {
+  while (begin > 0 && begin < end && moving_.isSameVoxel(begin - 1, begin)) ++begin;
+  while (begin < end && end < moving_.size() && moving_.isSameVoxel(end - 1, end)) ++end;
+  Cursors cursors;
+  if (!input.surfaces.empty()) {
+    const auto all = std::views::iota(0, static_cast<std::int32_t>(input.surfaces.size()));
+    findSurfaces(groupAt(begin, end, input), input, all, piece.surfaces);
+  }
+  while (begin < end) {
+    std::int32_t next = begin + 1;
+    while (next < end && moving_.isSameVoxel(begin, next)) ++next;
+    const Group group = groupAt(begin, next, input);
+    if (group.count > 0) searchGroup(group, input, cursors, piece);
+    begin = next;
   }
 }
 
-void CandidateList::searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const {
-  // The neighbourhood once, side by side in memory; then every particle of the voxel reads it in one go.
-  piece.nearRows.clear();
-  piece.nearSlots.clear();
-  piece.nearRanks.clear();
-  for (const std::int32_t near : hash_.neighbours(voxel)) {
-    if (near < 0) continue;
-    for (std::int32_t j = hash_.first(near); j >= 0; j = hash_.next(j)) {
-      piece.nearRows.push_back(input.particles[j]);
-      piece.nearSlots.push_back(j);
-      piece.nearRanks.push_back(input.rank[j]);
-    }
+CandidateList::Group CandidateList::groupAt(std::int32_t begin, std::int32_t end,
+                                            const SearchInput& input) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Group group{
+      .begin = begin, .end = end, .box = {Vector3::Constant(kInfinity), Vector3::Constant(-kInfinity)}};
+  for (std::int32_t at = begin; at < end; ++at) {
+    if (SpatialHash::slotOf(moving_.tag()[at]) >= input.dynamicCount) continue;
+    ++group.count;
+    const Vector3 center(moving_.x()[at], moving_.y()[at], moving_.z()[at]);
+    group.box.lower = group.box.lower.cwiseMin(center);
+    group.box.upper = group.box.upper.cwiseMax(center);
+    const std::int32_t owner = input.owner[SpatialHash::slotOf(moving_.tag()[at])];
+    group.largestReach = std::max(group.largestReach, moving_.reach()[at]);
+    if (!input.overhang.empty()) group.overhang = std::max(group.overhang, input.overhang[owner]);
   }
-  piece.hits.resize(piece.nearRows.size());
+  return group;
+}
 
-  for (std::int32_t i = hash_.first(voxel); i >= 0; i = hash_.next(i)) {
-    if (i >= input.dynamicCount) continue;
-    const ParticleRow a = input.particles[i];
-    const std::int32_t owner = input.owner[i];
-    const std::int32_t rank = input.rank[i];
-    const std::size_t begin = piece.partners.size();
-    // No branch: which of some fifty are near, no processor guesses.
-    std::size_t hits = 0;
-    for (std::size_t k = 0; k < piece.nearRows.size(); ++k) {
-      const ParticleRow& b = piece.nearRows[k];
-      const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z;
-      const double reach = a.radius + b.radius + skin_;
-      const bool isNear = dx * dx + dy * dy + dz * dz < reach * reach;
-      piece.hits[hits] = piece.nearSlots[k];
-      hits += isNear & (piece.nearRanks[k] > rank);
-    }
-    for (const std::int32_t j : std::span(piece.hits).first(hits)) {
-      if (input.owner[j] == owner || !input.rules->mayMeet(owner, input.owner[j])) continue;
-      if (input.rules->particlesMeet(owner, input.owner[j])) piece.partners.push_back(j);
-    }
-    std::sort(piece.partners.begin() + begin, piece.partners.end(),
-              [&](std::int32_t p, std::int32_t q) { return input.rank[p] < input.rank[q]; });
-    searchSurfaces(i, input, piece);
-    piece.slots.push_back(i);
-    piece.counts.push_back(static_cast<std::int32_t>(piece.partners.size() - begin));
+/// Of the surfaces `from` those that a particle of the group may be near to.
+template <class Surfaces>
+void CandidateList::findSurfaces(const Group& group, const SearchInput& input, const Surfaces& from,
+                                 std::vector<std::int32_t>& near) {
+  near.clear();
+  if (group.count == 0) return;
+  const double reach = 0.5 * group.box.size().norm() + group.largestReach + group.overhang;
+  for (const std::int32_t s : from) {
+    if (isNear(input, s, group.box.center(), reach)) near.push_back(s);
   }
 }
 
-void CandidateList::searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const {
-  if (input.surfaces.empty()) return;
-  const ParticleRow& row = input.particles[slot];
-  const auto first = static_cast<std::int32_t>(input.particles.size());
-  const double reach =
-      row.radius + skin_ + (input.overhang.empty() ? 0.0 : input.overhang[input.owner[slot]]);
-  for (std::int32_t s = 0; s < static_cast<std::int32_t>(input.surfaces.size()); ++s) {
-    if (!input.surfaces[s].mayBeWithin({row.x, row.y, row.z}, reach)) continue;
-    const std::int32_t owner = input.owner[slot], other = input.owner[first + s];
-    if (owner != other && input.rules->mayMeet(owner, other) && input.rules->surfaceMeets(owner, other))
-      piece.partners.push_back(first + s);
+void CandidateList::searchGroup(const Group& group, const SearchInput& input, Cursors& cursors,
+                                Piece& piece) const {
+  piece.movingRuns.clear();
+  moving_.findRuns(group.box, group.largestReach, cursors.moving, piece.movingRuns);
+  piece.fixedRuns.clear();
+  fixed_.findRuns(group.box, group.largestReach, cursors.fixed, piece.fixedRuns);
+  if (!input.surfaces.empty()) findSurfaces(group, input, piece.surfaces, piece.nearSurfaces);
+  const std::int64_t tests = sizeOf(piece.movingRuns) + sizeOf(piece.fixedRuns);
+  piece.tests += tests * group.count;
+  piece.hits.resize(tests + 1);
+  for (std::int32_t at = group.begin; at < group.end; ++at) {
+    if (SpatialHash::slotOf(moving_.tag()[at]) < input.dynamicCount) searchParticle(at, input, piece);
   }
+}
+
+void CandidateList::searchParticle(std::int32_t at, const SearchInput& input, Piece& piece) const {
+  const Vector3 center(moving_.x()[at], moving_.y()[at], moving_.z()[at]);
+  const double reach = moving_.reach()[at];
+  const std::uint64_t tag = moving_.tag()[at];
+  const std::int32_t slot = SpatialHash::slotOf(tag), owner = input.owner[slot];
+  std::uint64_t *const first = piece.hits.data(), *last = first;
+  for (const Run& run : piece.movingRuns) last = findNear(moving_, run, center, reach, tag, last);
+  for (const Run& run : piece.fixedRuns) last = findNear(fixed_, run, center, reach, tag, last);
+  last = std::remove_if(first, last, [&](std::uint64_t hit) {
+    const std::int32_t other = input.owner[SpatialHash::slotOf(hit)];
+    return other == owner || !(everythingMeets_ || (input.rules->mayMeet(owner, other) &&
+                                                    input.rules->particlesMeet(owner, other)));
+  });
+  std::sort(first, last);
+  const std::size_t before = piece.partners.size();
+  std::transform(first, last, std::back_inserter(piece.partners), SpatialHash::slotOf);
+  for (const std::int32_t s : piece.nearSurfaces) {
+    const std::int32_t surfaceSlot = static_cast<std::int32_t>(input.particles.size()) + s;
+    const std::int32_t other = input.owner[surfaceSlot];
+    if (owner == other || !input.rules->mayMeet(owner, other) || !input.rules->surfaceMeets(owner, other))
+      continue;
+    const double overhang = input.overhang.empty() ? 0.0 : input.overhang[owner];
+    if (isNear(input, s, center, reach + overhang)) piece.partners.push_back(surfaceSlot);
+  }
+  piece.slots.push_back(slot);
+  piece.counts.push_back(static_cast<std::int32_t>(piece.partners.size() - before));
 }
 
 void CandidateList::joinRows(const SearchInput& input, const Executor& executor) {
   rowStart_.assign(input.dynamicCount + 1, 0);
+  tests_ = 0;
   for (const Piece& piece : pieces_) {
+    tests_ += piece.tests;
     for (std::size_t r = 0; r < piece.slots.size(); ++r) rowStart_[piece.slots[r] + 1] = piece.counts[r];
   }
   for (std::int32_t i = 0; i < input.dynamicCount; ++i) rowStart_[i + 1] += rowStart_[i];

@@ -14,13 +14,6 @@
 
 namespace granular {
 
-/// A particle as search and contact test read it: one row of 32 bytes.
-struct alignas(32) ParticleRow {
-  double x, y, z;  ///< m, world
-  double radius;   ///< m
-};
-static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows to a load of 64 bytes");
-
 /// An exact surface where it stands now.
 struct SurfaceRow {
   const ExactSurface* shape = nullptr;
@@ -78,48 +71,67 @@ struct SearchInput {
   std::int32_t movingCount = std::numeric_limits<std::int32_t>::max();
   const MeetingRules* rules = nullptr;
   std::span<const double> overhang = {};  ///< [owner] how far it reaches beyond its particles to surfaces, m
+  /// How far a thing may move from where it is now before the list is old, m: [slot] of those that move, and
+  /// [surface]. Empty: nowhere.
+  std::span<const double> margin = {}, surfaceMargin = {};
 };
 
 class CandidateList {
  public:
-  /// Throws everything away: other particles, or other sizes. largestRadius and skin in m, > 0.
-  void reset(std::int32_t particleCount, double largestRadius, double skin);
+  /// Throws everything away: other particles, other slots.
+  void reset();
 
   /// What stands still stands elsewhere than at the last list.
   void fixedMoved() { fixedIsPlaced_ = false; }
 
-  /// Pairs closer than the sum of radii plus skin, never two of one owner, never without a dynamic one.
+  /// Pairs closer than the sum of radii and margins, never two of one owner, never without a dynamic one.
   /// Particle 1 of a pair is the one of lower rank; a row's partners are ordered by rank.
   void rebuild(const SearchInput& input, const Executor& executor);
 
-  double skin() const { return skin_; }
   std::int64_t size() const { return static_cast<std::int64_t>(partner_.size()); }
   /// Candidates of dynamic slot i: [rowStart()[i], rowStart()[i + 1]).
   std::span<const std::int32_t> rowStart() const { return rowStart_; }
   std::span<const std::int32_t> partner() const { return partner_; }  ///< slot of particle 2, by candidate
-  const SpatialHash& hash() const { return hash_; }
+  /// Distances that the last rebuild worked out.
+  std::int64_t testCount() const { return tests_; }
 
  private:
-  struct Piece {  // what one range of voxels found, on any thread
+  using Run = SpatialHash::Run;
+  struct Piece {  // what one part of the hash found, on any thread
     std::vector<std::int32_t> slots, counts, partners;
-    std::vector<ParticleRow> nearRows;
-    std::vector<std::int32_t> nearSlots, nearRanks, hits;
+    std::vector<std::int32_t> surfaces, nearSurfaces;  // near the piece, near the group
+    std::vector<Run> movingRuns, fixedRuns;
+    std::vector<std::uint64_t> hits;
+    std::int64_t tests = 0;
+
+    void clear() { slots.clear(), counts.clear(), partners.clear(), tests = 0; }
+  };
+  struct Cursors {
+    SpatialHash::Cursors moving, fixed;
+  };
+  /// Dynamic particles of one voxel.
+  struct Group {
+    std::int32_t begin, end;  // in the order of the hash, others among them
+    std::int32_t count = 0;
+    Box box;                                    // about their centres
+    double largestReach = 0.0, overhang = 0.0;  // m
   };
 
-  void placeInHash(const SearchInput& input);
-  void findActiveVoxels(const SearchInput& input);
-  void searchVoxel(std::int32_t voxel, const SearchInput& input, Piece& piece) const;
-  void searchSurfaces(std::int32_t slot, const SearchInput& input, Piece& piece) const;
+  void place(const SearchInput& input, const Executor& executor);
+  void searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input, Piece& piece) const;
+  Group groupAt(std::int32_t begin, std::int32_t end, const SearchInput& input) const;
+  template <class Surfaces>
+  static void findSurfaces(const Group& group, const SearchInput& input, const Surfaces& from,
+                           std::vector<std::int32_t>& near);
+  void searchGroup(const Group& group, const SearchInput& input, Cursors& cursors, Piece& piece) const;
+  void searchParticle(std::int32_t at, const SearchInput& input, Piece& piece) const;
   void joinRows(const SearchInput& input, const Executor& executor);
 
-  double largestRadius_ = 0.0;
-  double skin_ = 0.0;
-  SpatialHash hash_;
+  SpatialHash moving_, fixed_;
   bool fixedIsPlaced_ = false;
-  std::vector<std::int32_t> activeVoxels_;   // with dynamic particles in them, in the order of the first
-  std::vector<std::int32_t> seenInRebuild_;  // by voxel
-  std::int32_t rebuilds_ = 0;
+  bool everythingMeets_ = false;
   std::vector<Piece> pieces_;
+  std::int64_t tests_ = 0;
   std::vector<std::int32_t> rowStart_, partner_;
 };
 

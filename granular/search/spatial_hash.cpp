@@ -7,84 +7,195 @@
 namespace granular {
 namespace {
 
-constexpr int kBits = 21;
-constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
-constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
+constexpr int kBits =
+    20;  // an axis has a million voxels; what is beyond shares the last one: slow, not wrong
+constexpr std::int32_t kLastCell = (1 << kBits) - 1;
+constexpr std::uint64_t kMask = kLastCell;
+constexpr std::int32_t kParticlesPerPiece = 4096;
 
-std::uint64_t packKey(const std::array<std::int64_t, 3>& cell) {
-  return (static_cast<std::uint64_t>(cell[0]) & kMask) |
-         (static_cast<std::uint64_t>(cell[1]) & kMask) << kBits |
-         (static_cast<std::uint64_t>(cell[2]) & kMask) << 2 * kBits;
-}
+// Edge of a voxel in typical reaches: narrow ones fit the reach better, wide ones are fewer.
+constexpr double kEdge = 2.0;
+// Level 0 holds particles of up to so many typical reaches.
+constexpr double kLevelBorder = 1.3;
+// What is typical may change by this factor before the hash is made for it anew.
+constexpr double kTypicalChange = 1.25;
+// A query reaches farther by this, relatively: far above rounding.
+constexpr double kSlack = 1e-9;
 
-std::array<std::int64_t, 3> unpackKey(std::uint64_t key) {
-  return {static_cast<std::int64_t>(key & kMask), static_cast<std::int64_t>(key >> kBits & kMask),
-          static_cast<std::int64_t>(key >> 2 * kBits & kMask)};
+double reachOf(const SpatialHash::Input& input, std::int32_t i) {
+  return input.particles[i].radius + (input.margin.empty() ? 0.0 : input.margin[i]);
 }
 
 }  // namespace
 
-void SpatialHash::reset(double voxelEdge, std::int32_t particleCount) {
-  edge_ = voxelEdge;
-  voxels_.clear();
+SpatialHash::Key SpatialHash::packKey(int level, const Cell& cell) {
+  return static_cast<Key>(level) << 3 * kBits | static_cast<Key>(cell[2]) << 2 * kBits |
+         static_cast<Key>(cell[1]) << kBits | static_cast<Key>(cell[0]);
+}
+
+SpatialHash::Cell SpatialHash::unpackKey(Key key) {
+  return {static_cast<std::int32_t>(key & kMask), static_cast<std::int32_t>(key >> kBits & kMask),
+          static_cast<std::int32_t>(key >> 2 * kBits & kMask)};
+}
+
+void SpatialHash::reset() {
+  order_.clear();
   keys_.clear();
-  voxelOfKey_.clear();
-  lastKey_.assign(particleCount, kNoKey);
-  links_.assign(particleCount, Link{});
-  emptyVoxels_ = 0;
+  levels_.fill({});
   moves_ = 0;
 }
 
-SpatialHash::Key SpatialHash::keyAt(const Vector3& position) const {
-  std::array<std::int64_t, 3> cell;
-  for (int axis = 0; axis < 3; ++axis) {
-    // A particle that has left the world by more than 1e15 voxels shares the last one: slow, never undefined.
-    const double at = std::clamp(std::floor(position[axis] / edge_), -1e15, 1e15);
-    cell[axis] = static_cast<std::int64_t>(at);
+/// Voxels fit most of the particles. Where particles change what they reach, voxels do when it is much.
+void SpatialHash::chooseEdges(const Input& input) {
+  const auto count = static_cast<std::int32_t>(input.particles.size());
+  double sum = 0.0;
+  for (std::int32_t i = 0; i < count; ++i) sum += reachOf(input, i);
+  const double typical = sum / count;
+  const bool isNew = order_.empty() || !(typical < kTypicalChange * typicalReach_) ||
+                     !(typical > typicalReach_ / kTypicalChange);
+  if (!isNew) return;
+  reset();
+  typicalReach_ = typical;
+  edge_ = kEdge * typical;
+  for (int level = 0; level < kLevels; ++level) inverseEdge_[level] = 1.0 / std::ldexp(edge_, level);
+  const ParticleRow& middle = input.particles[count / 2];
+  origin_ = {middle.x, middle.y, middle.z};
+}
+
+int SpatialHash::levelOf(double reach) const {
+  int level = 0;
+  for (double border = kLevelBorder * typicalReach_; reach > border && level < kLevels - 1; ++level)
+    border *= 2;
+  return level;
+}
+
+std::int32_t SpatialHash::cellAt(int level, int axis, double at) const {
+  const double cell = std::floor((at - origin_[axis]) * inverseEdge_[level]) + (1 << (kBits - 1));
+  // In this order, what is not a number is in the last voxel too.
+  return static_cast<std::int32_t>(std::max(0.0, std::min(double{kLastCell}, cell)));
+}
+
+SpatialHash::Key SpatialHash::keyOf(const ParticleRow& row, double reach) const {
+  const int level = levelOf(reach);
+  return packKey(level, {cellAt(level, 0, row.x), cellAt(level, 1, row.y), cellAt(level, 2, row.z)});
+}
+
+void SpatialHash::place(const Input& input, const Executor& executor) {
+  if (input.particles.empty()) return reset();
+  chooseEdges(input);
+  findMoved(input, executor);
+  mergeMoved();
+  copyInOrder(input, executor);
+  measureLevels();
+}
+
+void SpatialHash::findMoved(const Input& input, const Executor& executor) {
+  const auto count = static_cast<std::int32_t>(input.particles.size());
+  keys_.resize(count, ~Key{0});
+  keysNow_.resize(count);
+  executor.forRanges(count, kParticlesPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::int32_t>(begin); i < end; ++i) {
+      keysNow_[i] = keyOf(input.particles[i], reachOf(input, i));
+    }
+  });
+  moved_.clear();
+  for (std::int32_t i = 0; i < count; ++i) {
+    if (keysNow_[i] != keys_[i]) moved_.emplace_back(keysNow_[i], i);
   }
-  return packKey(cell);
+  keys_.swap(keysNow_);
 }
 
-std::int32_t SpatialHash::voxelAt(const Vector3& position) {
-  const Key key = keyAt(position);
-  const auto [found, isNew] = voxelOfKey_.try_emplace(key, voxelCount());
-  if (!isNew) return found->second;
-
-  const std::int32_t voxel = voxelCount();
-  voxels_.emplace_back();
-  keys_.push_back(key);
-  ++emptyVoxels_;
-  const std::array<std::int64_t, 3> cell = unpackKey(key);
-  for (int n = 0; n < 27;
-       ++n) {  // make acquaintance both ways: my neighbour n has me as its neighbour 26 - n
-    const Key nextKey = packKey({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
-    const auto neighbour = voxelOfKey_.find(nextKey);
-    voxels_[voxel].neighbours[n] = neighbour == voxelOfKey_.end() ? -1 : neighbour->second;
-    if (neighbour != voxelOfKey_.end()) voxels_[neighbour->second].neighbours[26 - n] = voxel;
+/// Takes those that moved out of the order and puts them where they belong.
+void SpatialHash::mergeMoved() {
+  if (moved_.empty()) return;
+  std::sort(moved_.begin(), moved_.end());
+  if (order_.empty()) return order_.swap(moved_);
+  moves_ += static_cast<std::int64_t>(moved_.size());
+  merged_.clear();
+  auto next = moved_.begin();
+  for (const Entry& entry : order_) {
+    if (entry.first != keys_[entry.second]) continue;
+    while (next != moved_.end() && *next < entry) merged_.push_back(*next++);
+    merged_.push_back(entry);
   }
-  return voxel;
+  merged_.insert(merged_.end(), next, moved_.end());
+  order_.swap(merged_);
 }
 
-void SpatialHash::unlink(std::int32_t particle) {
-  Link& link = links_[particle];
-  if (link.voxel < 0) return;
-  (link.previous < 0 ? voxels_[link.voxel].first : links_[link.previous].next) = link.next;
-  if (link.next >= 0) links_[link.next].previous = link.previous;
-  if (voxels_[link.voxel].first < 0) ++emptyVoxels_;
-  ++moves_;
+void SpatialHash::copyInOrder(const Input& input, const Executor& executor) {
+  for (auto* values : {&x_, &y_, &z_, &reach_}) values->resize(order_.size());
+  tag_.resize(order_.size());
+  executor.forRanges(size(), kParticlesPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t at = begin; at < end; ++at) {
+      const std::int32_t i = order_[at].second;
+      const ParticleRow& row = input.particles[i];
+      x_[at] = row.x, y_[at] = row.y, z_[at] = row.z;
+      reach_[at] = reachOf(input, i);
+      tag_[at] =
+          static_cast<std::uint64_t>(input.rank[i]) << 32 | static_cast<std::uint32_t>(input.firstSlot + i);
+    }
+  });
 }
 
-void SpatialHash::place(std::int32_t particle, const Vector3& position) {
-  const Key key = keyAt(position);
-  if (key == lastKey_[particle]) return;
-  lastKey_[particle] = key;
-  unlink(particle);
-  const std::int32_t voxel = voxelAt(position);
-  Voxel& home = voxels_[voxel];
-  if (home.first < 0) --emptyVoxels_;
-  links_[particle] = {.voxel = voxel, .next = home.first, .previous = -1};
-  if (home.first >= 0) links_[home.first].previous = particle;
-  home.first = particle;
+void SpatialHash::measureLevels() {
+  levels_.fill({});
+  std::int32_t at = 0;
+  for (int l = 0; l < kLevels; ++l) {
+    Level& level = levels_[l];
+    level.begin = at;
+    level.lowest.fill(kLastCell);
+    for (; at < size() && order_[at].first >> 3 * kBits == static_cast<Key>(l); ++at) {
+      level.largestReach = std::max(level.largestReach, reach_[at]);
+      const Cell cell = unpackKey(order_[at].first);
+      for (int axis = 0; axis < 3; ++axis) {
+        level.lowest[axis] = std::min(level.lowest[axis], cell[axis]);
+        level.highest[axis] = std::max(level.highest[axis], cell[axis]);
+      }
+    }
+    level.end = at;
+  }
+}
+
+/// First of the level that is not before this key, which is of this row.
+std::int32_t SpatialHash::seek(const Level& level, Key row, Key key, Cursors& cursors) const {
+  // Rows of a neighbourhood have places of their own.
+  Cursors::Row& cursor = cursors.at_[(row & 7) | (row >> kBits & 7) << 3 | (row >> 2 * kBits & 3) << 6];
+  std::int32_t at = cursor.at;
+  if (cursor.key != row) {
+    at = static_cast<std::int32_t>(
+        std::lower_bound(order_.begin() + level.begin, order_.begin() + level.end, Entry{key, -1}) -
+        order_.begin());
+  } else {
+    while (at < level.end && order_[at].first < key) ++at;
+    while (at > level.begin && order_[at - 1].first >= key) --at;
+  }
+  cursor = {row, at};
+  return at;
+}
+
+void SpatialHash::findRuns(const Box& box, double reach, Cursors& cursors, std::vector<Run>& runs) const {
+  for (int l = 0; l < kLevels; ++l) {
+    const Level& level = levels_[l];
+    if (level.begin == level.end) continue;
+    const double way = (1.0 + kSlack) * (reach + level.largestReach);
+    Cell low, high;
+    bool isOutside = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::max(level.lowest[axis], cellAt(l, axis, box.lower[axis] - way));
+      high[axis] = std::min(level.highest[axis], cellAt(l, axis, box.upper[axis] + way));
+      isOutside |= low[axis] > high[axis];
+    }
+    if (isOutside) continue;
+    for (Cell cell = low; cell[2] <= high[2]; ++cell[2]) {
+      for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
+        const Key first = packKey(l, cell), last = packKey(l, {high[0], cell[1], cell[2]});
+        Run run;
+        run.begin = run.end = seek(level, first >> kBits, first, cursors);
+        while (run.end < level.end && order_[run.end].first <= last) ++run.end;
+        if (run.begin < run.end) runs.push_back(run);
+      }
+    }
+  }
 }
 
 }  // namespace granular

@@ -2,71 +2,117 @@
 // The persistent spatial hash (Bell 2005, sec. 3.2): which particles are in which voxel. It changes only
 // where a particle crosses a voxel border.
 //
-// Differs from the paper: instead of inserting a particle into its 27 neighbouring voxels, every voxel
-// remembers where its 27 neighbours are. A query then follows 27 links instead of doing one look-up, with no
-// hashing in either, and a particle that crosses a border costs one move instead of 27 insertions. Test:
-// SpatialHash.FindsExactlyTheParticlesBruteForceFinds.
+// The table is one array of all particles, sorted by the numbers z, y, x of their voxels (a hash by sorting:
+// S. Green, Particle Simulation using CUDA, 2010). A row of voxels along x is one contiguous run in it, so
+// that a query of a box reads a few runs and looks nothing up between. Large particles lie in voxels of their
+// own level, twice as wide from level to level (Ogarko, Luding 2012): small ones do not pay for them.
+//
+// Differs from the paper: a particle is in one voxel instead of inserted into 27. Test:
+// SpatialHash.FindsAllThatBruteForceFinds.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "granular/base/parallel.h"
 #include "granular/base/pose.h"
 
 namespace granular {
 
+/// A particle as search and contact test read it: one row of 32 bytes.
+struct alignas(32) ParticleRow {
+  double x, y, z;  ///< m, world
+  double radius;   ///< m
+};
+static_assert(sizeof(ParticleRow) == 32, "a row is half a cache line, two rows to a load of 64 bytes");
+
 class SpatialHash {
  public:
-  /// Forgets everything. voxelEdge, m, > 0: at least the largest distance at which a query must find
-  /// something.
-  void reset(double voxelEdge, std::int32_t particleCount);
+  /// What is put into it, [particle]; the same number at every call until reset().
+  struct Input {
+    std::span<const ParticleRow> particles;
+    std::span<const double> margin;  ///< m, how much farther than its radius it reaches; empty: no farther
+    std::span<const std::int32_t> rank;
+    std::int32_t firstSlot = 0;  ///< of particle 0
+  };
+  /// Particles [begin, end) in the order of the hash, all of one row of voxels.
+  struct Run {
+    std::int32_t begin, end;
+  };
 
-  double voxelEdge() const { return edge_; }
+  /// Forgets everything.
+  void reset();
 
-  /// Puts particle i where it is now; cheap when it stayed in its voxel. Position finite.
-  void place(std::int32_t particle, const Vector3& position);
+  /// Puts all particles where they are now. One comparison for each that stayed in its voxel.
+  void place(const Input& input, const Executor& executor);
 
-  std::int32_t voxelCount() const { return static_cast<std::int32_t>(voxels_.size()); }
-  /// First particle in a voxel, or -1; then next(particle). Order within a voxel depends on history.
-  std::int32_t first(std::int32_t voxel) const { return voxels_[voxel].first; }
-  std::int32_t next(std::int32_t particle) const { return links_[particle].next; }
-  /// Where a particle was put; -1: nowhere yet.
-  std::int32_t voxelOf(std::int32_t particle) const { return links_[particle].voxel; }
-  /// The voxel itself and its 26 neighbours; -1 where no particle has ever been.
-  const std::array<std::int32_t, 27>& neighbours(std::int32_t voxel) const {
-    return voxels_[voxel].neighbours;
-  }
+  // In the order of the hash.
+  std::int32_t size() const { return static_cast<std::int32_t>(order_.size()); }
+  bool isSameVoxel(std::int32_t a, std::int32_t b) const { return order_[a].first == order_[b].first; }
+  std::span<const double> x() const { return x_; }
+  std::span<const double> y() const { return y_; }
+  std::span<const double> z() const { return z_; }
+  std::span<const double> reach() const { return reach_; }  ///< radius and margin, m
+  /// Rank in the upper half, slot in the lower: tags are in the order of ranks.
+  std::span<const std::uint64_t> tag() const { return tag_; }
+  static std::int32_t slotOf(std::uint64_t tag) { return static_cast<std::int32_t>(tag & 0xffffffffu); }
 
-  /// Voxels that hold nothing; many of them make a reset worth while.
-  std::int32_t emptyVoxelCount() const { return emptyVoxels_; }
+  /// Where rows were found last: the next query is most often beside it. For one thread, until place().
+  class Cursors {
+   public:
+    void clear() { at_.fill({}); }
+
+   private:
+    friend class SpatialHash;
+    struct Row {
+      std::uint64_t key = ~std::uint64_t{0};
+      std::int32_t at = 0;
+    };
+    std::array<Row, 256> at_;
+  };
+  /// Adds runs in which all particles are whose reach and `reach` (m) together reach into the box, and
+  /// others.
+  void findRuns(const Box& box, double reach, Cursors& cursors, std::vector<Run>& runs) const;
+
   /// Border crossings since reset.
   std::int64_t moveCount() const { return moves_; }
 
  private:
-  using Key = std::uint64_t;  // three times 21 bits: 2 million voxels each way, then space repeats
-  struct Voxel {
-    std::int32_t first = -1;
-    std::array<std::int32_t, 27> neighbours{};
-  };
-  struct Link {
-    std::int32_t voxel = -1, next = -1, previous = -1;
+  using Key = std::uint64_t;  // level and z, y, x of the voxel
+  using Cell = std::array<std::int32_t, 3>;
+  using Entry = std::pair<Key, std::int32_t>;  // and particle
+  static constexpr int kLevels = 16;
+  struct Level {
+    std::int32_t begin = 0, end = 0;  // in the order
+    double largestReach = 0.0;        // m
+    Cell lowest{}, highest{};         // voxels
   };
 
-  Key keyAt(const Vector3& position) const;
-  std::int32_t voxelAt(const Vector3& position);
-  void unlink(std::int32_t particle);
+  static Key packKey(int level, const Cell& cell);
+  static Cell unpackKey(Key key);
+  void chooseEdges(const Input& input);
+  int levelOf(double reach) const;
+  std::int32_t cellAt(int level, int axis, double at) const;
+  Key keyOf(const ParticleRow& row, double reach) const;
+  void findMoved(const Input& input, const Executor& executor);
+  void mergeMoved();
+  void copyInOrder(const Input& input, const Executor& executor);
+  void measureLevels();
+  std::int32_t seek(const Level& level, Key row, Key key, Cursors& cursors) const;
 
-  double edge_ = 1.0;
-  std::vector<Voxel> voxels_;
-  std::vector<Key> keys_;     // of voxel v
-  std::vector<Key> lastKey_;  // of particle i, so that staying put is one comparison
-  std::vector<Link> links_;
-  std::unordered_map<Key, std::int32_t> voxelOfKey_;
-  std::int32_t emptyVoxels_ = 0;
+  Vector3 origin_ = Vector3::Zero();
+  double edge_ = 1.0;  // of voxels of level 0, m
+  double typicalReach_ = 1.0;
+  std::array<double, kLevels> inverseEdge_{};
+  std::vector<Key> keys_, keysNow_;  // of particle i, so that staying put is one comparison
+  std::vector<Entry> order_, moved_, merged_;
+  std::array<Level, kLevels> levels_;
   std::int64_t moves_ = 0;
+  std::vector<double> x_, y_, z_, reach_;
+  std::vector<std::uint64_t> tag_;
 };
 
 }  // namespace granular

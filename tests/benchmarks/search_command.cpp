@@ -28,7 +28,7 @@ using granular::Vector3;
 constexpr double kRadius = 1.0;
 constexpr double kSpacing = 2.02;  // radii, of the grid that particles are shaken off
 constexpr double kShake = 0.15;    // radii
-constexpr double kSkin = 0.3;      // radii, of our list
+constexpr double kMargin = 0.15;   // radii, that our list lets a particle go
 constexpr double kEdge = 2.0 * kRadius;
 
 struct SearchOptions {
@@ -147,12 +147,11 @@ class VoxelSearch {
 /// The list of the library, made anew when something has moved half a skin.
 class ListSearch {
  public:
-  explicit ListSearch(const Cloud& cloud) : own_(cloud.rows.size()) {
+  explicit ListSearch(const Cloud& cloud) : own_(cloud.rows.size()), margin_(own_.size(), kMargin) {
     std::iota(own_.begin(), own_.end(), 0);
-    list_.reset(static_cast<std::int32_t>(own_.size()), kRadius, kSkin * kRadius);
   }
   std::int64_t pairs(const Cloud& cloud) {
-    if (mostMoved(cloud) > 0.5 * list_.skin()) rebuild(cloud);
+    if (mostMoved(cloud) > kMargin) rebuild(cloud);
     std::int64_t found = 0;
     for (std::size_t i = 0; i < own_.size(); ++i) {
       for (std::int32_t c = list_.rowStart()[i]; c < list_.rowStart()[i + 1]; ++c) {
@@ -182,11 +181,13 @@ class ListSearch {
                    .rank = own_,
                    .slotOfRank = own_,
                    .dynamicCount = static_cast<std::int32_t>(own_.size()),
-                   .rules = &rules_},
+                   .rules = &rules_,
+                   .margin = margin_},
                   executor_);
   }
 
   std::vector<std::int32_t> own_;  // everyone is his own owner, rank and slot
+  std::vector<double> margin_;
   std::vector<ParticleRow> listed_;
   granular::MeetingRules rules_;
   granular::CandidateList list_;

@@ -39,7 +39,8 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
   rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
-  list_.reset(layout_.particleCount, layout_.largestRadius, kFirstSkin * layout_.smallestRadius);
+  list_.reset();
+  skin_ = kFirstSkin * layout_.smallestRadius;
   listIsCurrent_ = false;
   placesAreSorted_ = false;
   lawsByKind_ = layout_.kinds.size() <= kKindsInTable;
@@ -172,25 +173,26 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   pieceMaximum2_.assign(pieces, 0.0);
   const bool compare = listIsCurrent_;
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    double move = 0.0, speed = 0.0;
+    double beyond = 0.0, speed = 0.0;
     const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
     for (std::int32_t place = begin; place < end; ++place) speed = std::max(speed, placeMoving(place, t, y));
     if (compare) {
       const std::int32_t slots = layout_.slotOfPlace[end];
       for (std::int32_t slot = layout_.slotOfPlace[begin]; slot < slots; ++slot) {
-        const ParticleRow &a = particles_[slot], &b = listedParticles_[slot];
-        const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
-        move = std::max(move, dx * dx + dy * dy + dz * dz);
+        const ParticleRow& now = particles_[slot];
+        const ListedRow& then = listedParticles_[slot];
+        const double dx = now.x - then.x, dy = now.y - then.y, dz = now.z - then.z;
+        beyond = std::max(beyond, dx * dx + dy * dy + dz * dz - then.marginSquared);
       }
     }
-    pieceMaximum_[piece] = move;
+    pieceMaximum_[piece] = beyond;
     pieceMaximum2_[piece] = speed;
   });
-  largestMoveSquared_ = maximum(pieceMaximum_, pieces);
+  listIsOld_ = !compare || maximum(pieceMaximum_, pieces) > 0.0;
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
     if (layout_.ownerOfSurface[s] >= moving) continue;
     placeSurface(s);
-    if (compare) largestMoveSquared_ = std::max(largestMoveSquared_, surfaceMove(s) * surfaceMove(s));
+    listIsOld_ = listIsOld_ || surfaceMove(s) > surfaceMargin_[s];
   }
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
 }

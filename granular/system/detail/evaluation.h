@@ -42,6 +42,12 @@ struct EvaluationSummary {
   double largestSpeed = 0.0;    ///< of any point of any moving owner, at most, m/s
 };
 
+/// Where a particle was when the list was made, and how far it may go until the list is old.
+struct alignas(32) ListedRow {
+  double x, y, z;        ///< m, world
+  double marginSquared;  ///< m^2
+};
+
 class Evaluation {
  public:
   Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
@@ -152,6 +158,7 @@ class Evaluation {
   void noteLaws();
   void placeSurface(std::int32_t s);
   double surfaceMove(std::int32_t s) const;
+  void chooseMargins();
   void rememberList();
   bool remembers(const Contact& contact) const;
   bool isRemembered(std::int32_t n) const;
@@ -197,16 +204,19 @@ class Evaluation {
 
   std::vector<OwnerRow> owners_;    // by place
   std::vector<Matrix3> rotations_;  // of bodies; body owner o is at o - layout_.dynamicGrains
-  std::vector<ParticleRow> particles_, listedParticles_;
+  std::vector<ParticleRow> particles_;
+  std::vector<ListedRow> listedParticles_;  // of those that move
   std::vector<SurfaceRow> surfaces_, listedSurfaces_;
-  double listedExtent_ = 0.0;  // of all dynamic particles when the list was made, m
+  std::vector<double> margin_, surfaceMargin_;  // as in SearchInput
+  double listedExtent_ = 0.0;                   // of all dynamic particles when the list was made, m
   CandidateList list_;
   CandidateIncidence incidence_;
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
   std::int64_t evaluationsAtRebuild_ = 0;
   bool placesAreSorted_ = false;
-  double largestMoveSquared_ = 0.0;
+  bool listIsOld_ = false;
+  double skin_ = 0.0;  // m
 
   bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): made where one is asked for
   std::vector<PairLaw> pairLaws_;

@@ -41,8 +41,7 @@ double Evaluation::surfaceMove(std::int32_t s) const {
 
 void Evaluation::updateCandidates() {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::UpdateCandidates)]);
-  const double halfSkin = 0.5 * list_.skin();
-  if (listIsCurrent_ && largestMoveSquared_ <= halfSkin * halfSkin) return;
+  if (listIsCurrent_ && !listIsOld_) return;
   adaptSkin();
   rebuildCandidates();
 }
@@ -54,10 +53,16 @@ void Evaluation::adaptSkin() {
   evaluationsAtRebuild_ = evaluations;
   if (!listIsCurrent_) return;  // something else than motion made it old
   const double radius = layout_.smallestRadius;
-  double skin = list_.skin();
-  if (lasted < kShortLivedList) skin = std::min(kWidestSkin * radius, kSkinStep * skin);
-  if (lasted > kLongLivedList) skin = std::max(kNarrowestSkin * radius, skin / kSkinStep);
-  if (skin != list_.skin()) list_.reset(layout_.particleCount, layout_.largestRadius, skin);
+  if (lasted < kShortLivedList) skin_ = std::min(kWidestSkin * radius, kSkinStep * skin_);
+  if (lasted > kLongLivedList) skin_ = std::max(kNarrowestSkin * radius, skin_ / kSkinStep);
+}
+
+void Evaluation::chooseMargins() {
+  margin_.assign(layout_.movingParticles, 0.5 * skin_);
+  surfaceMargin_.assign(layout_.surfaceCount(), 0.0);
+  for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
+    if (layout_.ownerOfSurface[s] < layout_.movingCount()) surfaceMargin_[s] = 0.5 * skin_;
+  }
 }
 
 bool Evaluation::isSortDue() const {
@@ -105,13 +110,14 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
     from[place] = placeBefore[layout_.ownerOfPlace[place]];
     owners_[place] = ownersBefore[from[place]];
   }
-  list_.reset(layout_.particleCount, layout_.largestRadius, list_.skin());
+  list_.reset();
   return from;
 }
 
 void Evaluation::rebuildCandidates() {
   ++listRebuilds;
   ++rebuildsSinceSort_;
+  chooseMargins();
   const SearchInput input{.particles = particles_,
                           .surfaces = surfaces_,
                           .owner = layout_.ownerOfSlot,
@@ -120,7 +126,9 @@ void Evaluation::rebuildCandidates() {
                           .dynamicCount = layout_.dynamicParticles,
                           .movingCount = layout_.movingParticles,
                           .rules = &layout_.rules,
-                          .overhang = layout_.overhang};
+                          .overhang = layout_.overhang,
+                          .margin = margin_,
+                          .surfaceMargin = surfaceMargin_};
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();
@@ -132,12 +140,16 @@ void Evaluation::rebuildCandidates() {
 
 /// What the list was made for, and which of its candidates have a memory.
 void Evaluation::rememberList() {
-  listedParticles_.assign(particles_.begin(), particles_.begin() + layout_.movingParticles);
+  listedParticles_.resize(layout_.movingParticles);
+  for (std::int32_t slot = 0; slot < layout_.movingParticles; ++slot) {
+    const ParticleRow& row = particles_[slot];
+    listedParticles_[slot] = {row.x, row.y, row.z, margin_[slot] * margin_[slot]};
+  }
   listedSurfaces_ = surfaces_;
   listIsCurrent_ = true;
   listedExtent_ = 0.0;
   if (!surfaces_.empty()) {
-    for (const ParticleRow& row : listedParticles_) {
+    for (const ListedRow& row : listedParticles_) {
       listedExtent_ = std::max(listedExtent_, Vector3(row.x, row.y, row.z).norm());
     }
   }
