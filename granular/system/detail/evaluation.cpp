@@ -10,8 +10,6 @@ namespace {
 // How much is handed to a thread at a time. Fixed, so that pieces are the same for any number of threads.
 constexpr std::int32_t kOwnersPerPiece = 256;
 
-// Skin of the first candidate list in smallest radii; it adapts.
-constexpr double kFirstSkin = 0.3;
 // Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
 constexpr std::size_t kKindsInTable = 64;
 
@@ -40,7 +38,6 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
   rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
   list_.reset();
-  skin_ = kFirstSkin * layout_.smallestRadius;
   listIsCurrent_ = false;
   placesAreSorted_ = false;
   lawsByKind_ = layout_.kinds.size() <= kKindsInTable;
@@ -90,7 +87,7 @@ void Evaluation::placeFixed() {
 void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) {
   ++evaluations;
   placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
-  updateCandidates();          // only when something has moved half a skin                 sec. 3.2
+  updateCandidates();          // only when something has moved too far                     sec. 3.2
   const ContactArrays arrays = arraysAt(at, y, rate);
   workOutContacts(arrays, y, rate);  // pairs with overlap > 0 and their forces             eqs. 1-19
   moveOwners(arrays, y, rate);       // wrench of each grain and moving body; their motion  secs. 3.1, 3.4
@@ -162,7 +159,7 @@ double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<d
           angularVelocityOf(layout_.owners[o], orientation, vectorAt(own, state::kAngularMomentum));
     }
   }
-  return row.velocity.norm() + row.angularVelocity.norm() * row.reach;
+  return fastestPoint(row);
 }
 
 void Evaluation::placeParticles(double t, const std::vector<double>& y) {
@@ -192,7 +189,7 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
     if (layout_.ownerOfSurface[s] >= moving) continue;
     placeSurface(s);
-    listIsOld_ = listIsOld_ || surfaceMove(s) > surfaceMargin_[s];
+    listIsOld_ = listIsOld_ || surfaceMove(s) > surfaceMargins_[s];
   }
   summary_.largestSpeed = maximum(pieceMaximum2_, pieces);
 }

@@ -48,6 +48,11 @@ struct alignas(32) ListedRow {
   double marginSquared;  ///< m^2
 };
 
+/// The speed of no point of the owner's particles is larger, m/s.
+inline double fastestPoint(const OwnerRow& owner) {
+  return owner.velocity.norm() + owner.angularVelocity.norm() * owner.reach;
+}
+
 class Evaluation {
  public:
   Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
@@ -145,7 +150,7 @@ class Evaluation {
   void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
                   bool poseRates, std::vector<double>& rate) const;
   void tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const;
-  void adaptSkin();
+  void adaptMargin();
   void rebuildCandidates();
   ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
   void makePairLaws();
@@ -207,8 +212,8 @@ class Evaluation {
   std::vector<ParticleRow> particles_;
   std::vector<ListedRow> listedParticles_;  // of those that move
   std::vector<SurfaceRow> surfaces_, listedSurfaces_;
-  std::vector<double> margin_, surfaceMargin_;  // as in SearchInput
-  double listedExtent_ = 0.0;                   // of all dynamic particles when the list was made, m
+  std::vector<double> margins_, surfaceMargins_;  // as in SearchInput
+  double listedExtent_ = 0.0;                     // of all dynamic particles when the list was made, m
   CandidateList list_;
   CandidateIncidence incidence_;
   bool listIsCurrent_ = false;
@@ -216,7 +221,7 @@ class Evaluation {
   std::int64_t evaluationsAtRebuild_ = 0;
   bool placesAreSorted_ = false;
   bool listIsOld_ = false;
-  double skin_ = 0.0;  // m
+  double margin_ = 0.15;  // mean of margins_, in smallest radii; it adapts
 
   bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): made where one is asked for
   std::vector<PairLaw> pairLaws_;

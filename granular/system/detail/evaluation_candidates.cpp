@@ -13,10 +13,13 @@ namespace {
 // List rebuilds between two sortings of the places by cell: grains travel a few radii in that time.
 constexpr std::int64_t kRebuildsPerSort = 200;
 
-// Evaluations that a list should last: a rebuild costs as much as some ten of them.
-constexpr std::int64_t kShortLivedList = 25, kLongLivedList = 150;
-// Skin in smallest radii, and the factor by which it changes: each change makes the hash anew.
-constexpr double kNarrowestSkin = 0.1, kWidestSkin = 1.2, kSkinStep = 1.4;
+// Mean margin in smallest radii, and the factor by which it changes from list to list.
+constexpr double kNarrowestMargin = 0.05, kWidestMargin = 0.6, kMarginStep = 1.1;
+// Largest margin of a fast thing, in smallest radii: about it the list grows with the third power.
+constexpr double kLargestMargin = 4.0;
+// What a list costs, measured in the test of one candidate: placing and finding a particle, and each distance
+// that is worked out for it.
+constexpr double kParticleCost = 40.0, kTestCost = 0.6;
 
 }  // namespace
 
@@ -42,26 +45,52 @@ double Evaluation::surfaceMove(std::int32_t s) const {
 void Evaluation::updateCandidates() {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::UpdateCandidates)]);
   if (listIsCurrent_ && !listIsOld_) return;
-  adaptSkin();
+  adaptMargin();
   rebuildCandidates();
 }
 
-/// A wider skin where fast things make the list anew all the time, a narrower one where it lasts: its cost is
-/// in the tests of candidates that never touch. Changes the speed only, never the result.
-void Evaluation::adaptSkin() {
-  const std::int64_t lasted = evaluations - evaluationsAtRebuild_;
+/// The cheapest mean margin m is where making lists costs as much as testing the candidates that are only
+/// there for it: a list lasts in proportion to m, those candidates are in proportion to m too, and of a / m +
+/// b m both parts are equal where the sum is least. Counts decide, not clocks. It changes the speed only,
+/// never the result.
+void Evaluation::adaptMargin() {
+  const auto lasted = static_cast<double>(evaluations - evaluationsAtRebuild_);
   evaluationsAtRebuild_ = evaluations;
   if (!listIsCurrent_) return;  // something else than motion made it old
-  const double radius = layout_.smallestRadius;
-  if (lasted < kShortLivedList) skin_ = std::min(kWidestSkin * radius, kSkinStep * skin_);
-  if (lasted > kLongLivedList) skin_ = std::max(kNarrowestSkin * radius, skin_ / kSkinStep);
+  const double listCost =
+      kParticleCost * layout_.dynamicParticles + kTestCost * static_cast<double>(list_.testCount());
+  const auto apart = static_cast<double>(list_.size() - summary_.contacts);
+  if (listCost > apart * lasted) {
+    margin_ = std::min(kWidestMargin, margin_ * kMarginStep);
+  } else {
+    margin_ = std::max(kNarrowestMargin, margin_ / kMarginStep);
+  }
 }
 
+/// Half of the mean margin for everyone, as anything may be hit; the other half by speed, so that few fast
+/// things do not make the list of all others old.
 void Evaluation::chooseMargins() {
-  margin_.assign(layout_.movingParticles, 0.5 * skin_);
-  surfaceMargin_.assign(layout_.surfaceCount(), 0.0);
+  const std::int32_t moving = layout_.movingCount();
+  double sum = 0.0;
+  for (std::int32_t place = 0; place < moving; ++place) {
+    if (const double speed = fastestPoint(owners_[place]); std::isfinite(speed)) sum += speed;
+  }
+  const double atRest = 0.5 * margin_ * layout_.smallestRadius;
+  const double largest = kLargestMargin * layout_.smallestRadius;
+  const double time = sum > 0.0 ? atRest * moving / sum : 0.0;
+  const auto marginAt = [&](double speed) { return std::min(largest, atRest + time * speed); };
+  margins_.resize(layout_.movingParticles);
+  for (std::int32_t place = 0; place < moving; ++place) {
+    std::fill(margins_.begin() + layout_.slotOfPlace[place],
+              margins_.begin() + layout_.slotOfPlace[place + 1], marginAt(fastestPoint(owners_[place])));
+  }
+  surfaceMargins_.assign(layout_.surfaceCount(), 0.0);
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
-    if (layout_.ownerOfSurface[s] < layout_.movingCount()) surfaceMargin_[s] = 0.5 * skin_;
+    const std::int32_t o = layout_.ownerOfSurface[s];
+    if (o >= moving) continue;
+    const double reach = (surfaces_[s].point - rowOf(o).center).norm() + surfaces_[s].boundingRadius;
+    const double turning = std::isfinite(reach) ? rowOf(o).angularVelocity.norm() * reach : 0.0;
+    surfaceMargins_[s] = marginAt(rowOf(o).velocity.norm() + turning);
   }
 }
 
@@ -127,8 +156,8 @@ void Evaluation::rebuildCandidates() {
                           .movingCount = layout_.movingParticles,
                           .rules = &layout_.rules,
                           .overhang = layout_.overhang,
-                          .margin = margin_,
-                          .surfaceMargin = surfaceMargin_};
+                          .margin = margins_,
+                          .surfaceMargin = surfaceMargins_};
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();
@@ -143,7 +172,7 @@ void Evaluation::rememberList() {
   listedParticles_.resize(layout_.movingParticles);
   for (std::int32_t slot = 0; slot < layout_.movingParticles; ++slot) {
     const ParticleRow& row = particles_[slot];
-    listedParticles_[slot] = {row.x, row.y, row.z, margin_[slot] * margin_[slot]};
+    listedParticles_[slot] = {row.x, row.y, row.z, margins_[slot] * margins_[slot]};
   }
   listedSurfaces_ = surfaces_;
   listIsCurrent_ = true;
