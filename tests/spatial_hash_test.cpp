@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numeric>
 #include <set>
 
 #include "granular/base/random.h"
@@ -10,85 +12,132 @@
 namespace granular {
 namespace {
 
-std::vector<Vector3> randomPoints(int count, double size, Random& random) {
-  std::vector<Vector3> points(count);
-  for (Vector3& p : points) {
-    p = {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+/// Particles of all sizes up to `largest` radii of 0.02 m in a cube of 1 m.
+struct Points {
+  std::vector<ParticleRow> rows;
+  std::vector<double> margin;
+  std::vector<std::int32_t> rank;
+
+  Points(int count, double largest, Random& random) : margin(count, 0.0), rank(count) {
+    for (int i = 0; i < count; ++i) {
+      rows.push_back(
+          {random.uniform(), random.uniform(), random.uniform(), 0.02 * random.uniform(1.0, largest)});
+    }
+    std::iota(rank.rbegin(), rank.rend(), 0);
   }
-  return points;
+  void placeIn(SpatialHash& hash) const {
+    hash.place({.particles = rows, .margin = margin, .rank = rank, .firstSlot = 7}, Executor(2));
+  }
+  Vector3 center(int i) const { return {rows[i].x, rows[i].y, rows[i].z}; }
+};
+
+std::set<std::int32_t> found(const SpatialHash& hash, const Box& box, double reach) {
+  SpatialHash::Cursors cursors;
+  std::vector<SpatialHash::Run> runs;
+  hash.findRuns(box, reach, cursors, runs);
+  std::set<std::int32_t> slots;
+  for (const SpatialHash::Run& run : runs) {
+    for (std::int32_t at = run.begin; at < run.end; ++at) {
+      EXPECT_TRUE(slots.insert(SpatialHash::slotOf(hash.tag()[at])).second) << "found twice";
+    }
+  }
+  return slots;
 }
 
-std::set<std::int32_t> neighbourhood(const SpatialHash& hash, std::int32_t voxel) {
-  std::set<std::int32_t> found;
-  for (const std::int32_t near : hash.neighbours(voxel)) {
-    if (near < 0) continue;
-    for (std::int32_t i = hash.first(near); i >= 0; i = hash.next(i)) found.insert(i);
-  }
-  return found;
-}
-
-void expectFindsAllPairs(const SpatialHash& hash, const std::vector<Vector3>& points) {
-  const auto count = static_cast<std::int32_t>(points.size());
-  std::vector<std::set<std::int32_t>> near(count);
-  std::int32_t held = 0;
-  for (std::int32_t v = 0; v < hash.voxelCount(); ++v) {
-    const auto found = neighbourhood(hash, v);
-    for (std::int32_t i = hash.first(v); i >= 0; i = hash.next(i), ++held) near[i] = found;
-  }
-  ASSERT_EQ(held, count);
-  for (std::int32_t i = 0; i < count; ++i) {
-    for (std::int32_t j = 0; j < count; ++j) {
-      const double apart = (points[i] - points[j]).norm();
-      if (apart <= hash.voxelEdge()) {
-        EXPECT_TRUE(near[i].contains(j)) << i << " " << j;
-      }
-      if (apart > 2.0 * std::sqrt(3.0) * hash.voxelEdge()) {
-        EXPECT_FALSE(near[i].contains(j)) << i << " " << j;
+/// Every particle that reaches a ball about some place is found there; few others are.
+void expectFindsAll(const SpatialHash& hash, const Points& points, Random& random) {
+  ASSERT_EQ(hash.size(), static_cast<std::int32_t>(points.rows.size()));
+  std::size_t visited = 0;
+  for (int query = 0; query < 300; ++query) {
+    const Vector3 p(random.uniform(), random.uniform(), random.uniform());
+    const double reach = random.uniform(0.0, 0.1);
+    const std::set<std::int32_t> slots = found(hash, {p, p}, reach);
+    visited += slots.size();
+    for (int i = 0; i < hash.size(); ++i) {
+      if ((points.center(i) - p).norm() < reach + points.rows[i].radius + points.margin[i]) {
+        EXPECT_TRUE(slots.contains(7 + i)) << i;
       }
     }
   }
+  EXPECT_LT(visited, 300 * points.rows.size() / 4);
 }
 
-TEST(SpatialHash, FindsExactlyTheParticlesBruteForceFinds) {
+TEST(SpatialHash, FindsAllThatBruteForceFinds) {
   Random random(5);
-  std::vector<Vector3> points = randomPoints(400, 1.0, random);
+  const Points points(1000, 1.5, random);
   SpatialHash hash;
-  hash.reset(0.2, 400);
-  for (int i = 0; i < 400; ++i) hash.place(i, points[i]);
-  expectFindsAllPairs(hash, points);
+  points.placeIn(hash);
+  expectFindsAll(hash, points, random);
 }
 
-TEST(SpatialHash, StaysRightWhileParticlesCrossBorders) {
-  Random random(6);
-  std::vector<Vector3> points = randomPoints(200, 0.5, random);
+TEST(SpatialHash, FindsAllAmongManySizes) {
+  Random random(8);
+  Points points(1000, 1.0, random);
+  for (int i = 0; i < 1000; i += 50) points.rows[i].radius *= 1.0 + 0.3 * (i % 7);
   SpatialHash hash;
-  hash.reset(0.15, 200);
+  points.placeIn(hash);
+  expectFindsAll(hash, points, random);
+}
+
+TEST(SpatialHash, StaysRightWhileParticlesCrossBordersAndReachFartherOrLess) {
+  Random random(6);
+  Points points(500, 1.2, random);
+  SpatialHash hash;
+  points.placeIn(hash);
   for (int round = 0; round < 30; ++round) {
-    for (int i = 0; i < 200; ++i) {
-      points[i] += 0.05 * Vector3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-      hash.place(i, points[i]);
+    for (int i = 0; i < 500; ++i) {
+      ParticleRow& row = points.rows[i];
+      row.x += random.uniform(-0.01, 0.01), row.y += random.uniform(-0.01, 0.01);
+      points.margin[i] = random.uniform() < 0.02 ? 0.08 : 0.003;
     }
+    points.placeIn(hash);
   }
-  expectFindsAllPairs(hash, points);
-  EXPECT_GT(hash.moveCount(), 200);
+  EXPECT_GT(hash.moveCount(), 500);
+  expectFindsAll(hash, points, random);
+}
+
+TEST(SpatialHash, LiesInTheOrderOfAFreshOneAfterAnyHistory) {
+  Random random(9);
+  Points points(300, 1.3, random);
+  SpatialHash hash;
+  points.placeIn(hash);
+  const std::vector<ParticleRow> start = points.rows;
+  for (ParticleRow& row : points.rows) row.z += random.uniform(-0.3, 0.3);
+  points.placeIn(hash);
+  points.rows = start;
+  points.placeIn(hash);
+  SpatialHash fresh;
+  points.placeIn(fresh);
+  EXPECT_TRUE(std::equal(hash.tag().begin(), hash.tag().end(), fresh.tag().begin(), fresh.tag().end()));
 }
 
 TEST(SpatialHash, ChangesNothingWhenParticlesStayInTheirVoxels) {
+  const std::vector<ParticleRow> before = {{0.1, 0.1, 0.1, 1.0}, {0.5, 0.5, 0.5, 1.0}};
+  const std::vector<ParticleRow> after = {{0.3, 0.1, 0.2, 1.0}, {0.5, 0.5, 0.5, 1.0}};
+  const std::vector<std::int32_t> rank = {0, 1};
   SpatialHash hash;
-  hash.reset(1.0, 2);
-  hash.place(0, {0.2, 0.2, 0.2});
-  hash.place(1, {0.7, 0.7, 0.7});
-  hash.place(0, {0.4, 0.1, 0.9});
+  hash.place({.particles = before, .margin = {}, .rank = rank}, Executor(1));
+  // Borders are at the second one, and two radii from it.
+  hash.place({.particles = after, .margin = {}, .rank = rank}, Executor(1));
   EXPECT_EQ(hash.moveCount(), 0);
-  EXPECT_EQ(hash.voxelCount(), 1);
+  EXPECT_TRUE(hash.x()[0] == 0.3 || hash.x()[1] == 0.3) << "but where they are";
 }
 
 TEST(SpatialHash, SurvivesPositionsBeyondAllReason) {
+  Random random(10);
+  Points points(500, 1.2, random);
+  points.rows[0].x = 1e300;
+  points.rows[1].y = -1e300;
+  points.rows[2].z = std::numeric_limits<double>::quiet_NaN();
+  points.margin[3] = std::numeric_limits<double>::infinity();
   SpatialHash hash;
-  hash.reset(0.01, 2);
-  hash.place(0, {1e300, -1e300, 0.0});
-  hash.place(1, {0.0, 0.0, 0.0});
-  EXPECT_EQ(hash.voxelCount(), 2);
+  points.placeIn(hash);
+  ASSERT_EQ(hash.size(), 500);
+  points.margin[3] = 0.0;
+  points.placeIn(hash);
+  points.rows[2].z = 0.5;
+  points.placeIn(hash);
+  expectFindsAll(hash, points, random);
 }
 
 }  // namespace
