@@ -140,6 +140,17 @@ TEST(CandidateList, HoldsParticlesNearSurfaces) {
   EXPECT_EQ(listedOf(cloud), expected);
 }
 
+TEST(CandidateList, ForgetsSurfacesThatAreGone) {
+  Cloud cloud(600, 22);
+  const Cloud without = cloud;
+  cloud.addBalls(40, 23);
+  CandidateList list;
+  list.rebuild(cloud.input(), Executor(1));
+  list.reset();
+  list.rebuild(without.input(), Executor(1));
+  EXPECT_EQ(listed(list), bruteForce(without));
+}
+
 TEST(CandidateList, RowsAreInTheOrderOfRanks) {
   Cloud cloud(900, 18);
   cloud.addBalls(20, 19);

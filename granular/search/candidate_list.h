@@ -104,7 +104,10 @@ class CandidateList {
     std::vector<std::uint64_t> hits;
     std::int64_t tests = 0;
 
-    void clear() { slots.clear(), counts.clear(), partners.clear(), tests = 0; }
+    void clear() {
+      for (auto* numbers : {&slots, &counts, &partners, &surfaces, &nearSurfaces}) numbers->clear();
+      tests = 0;
+    }
   };
   struct Cursors {
     SpatialHash::Cursors moving, fixed;
