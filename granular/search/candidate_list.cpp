@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
+#include <numeric>
 
 namespace granular {
 namespace {
@@ -59,6 +59,8 @@ void CandidateList::reset() {
 void CandidateList::rebuild(const SearchInput& input, const Executor& executor) {
   place(input, executor);
   const MeetingRules& rules = *input.rules;
+  allSurfaces_.resize(input.surfaces.size());
+  std::iota(allSurfaces_.begin(), allSurfaces_.end(), 0);
   everythingMeets_ = rules.group.empty() && rules.excludedPairs.empty() && rules.bodies.empty();
   const std::int32_t pieces = Executor::pieceCount(moving_.size(), kParticlesPerPiece);
   if (static_cast<std::int32_t>(pieces_.size()) < pieces) pieces_.resize(pieces);
@@ -94,8 +96,7 @@ void CandidateList::searchPiece(std::int32_t begin, std::int32_t end, const Sear
   while (begin < end && end < moving_.size() && moving_.isSameVoxel(end - 1, end)) ++end;
   Cursors cursors;
   if (!input.surfaces.empty()) {
-    const auto all = std::views::iota(0, static_cast<std::int32_t>(input.surfaces.size()));
-    findSurfaces(groupAt(begin, end, input), input, all, piece.surfaces);
+    findSurfaces(groupAt(begin, end, input), input, allSurfaces_, piece.surfaces);
   }
   while (begin < end) {
     std::int32_t next = begin + 1;
@@ -125,9 +126,8 @@ CandidateList::Group CandidateList::groupAt(std::int32_t begin, std::int32_t end
 }
 
 /// Of the surfaces `from` those that a particle of the group may be near to.
-template <class Surfaces>
-void CandidateList::findSurfaces(const Group& group, const SearchInput& input, const Surfaces& from,
-                                 std::vector<std::int32_t>& near) {
+void CandidateList::findSurfaces(const Group& group, const SearchInput& input,
+                                 std::span<const std::int32_t> from, std::vector<std::int32_t>& near) {
   near.clear();
   if (group.count == 0) return;
   const double reach = 0.5 * group.box.size().norm() + group.largestReach + group.overhang;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pairs of particles that may touch before anything has moved half a skin (Verlet's neighbour list over the
-// spatial hash of Bell 2005, sec. 3.2). Kept and reused until then.
+// Pairs of particles that may touch before anything has moved farther than its margin (Verlet's neighbour
+// list over the spatial hash of Bell 2005, sec. 3.2, but with a margin for each). Kept and reused until then.
 #pragma once
 
 #include <cstdint>
@@ -123,8 +123,7 @@ class CandidateList {
   void place(const SearchInput& input, const Executor& executor);
   void searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input, Piece& piece) const;
   Group groupAt(std::int32_t begin, std::int32_t end, const SearchInput& input) const;
-  template <class Surfaces>
-  static void findSurfaces(const Group& group, const SearchInput& input, const Surfaces& from,
+  static void findSurfaces(const Group& group, const SearchInput& input, std::span<const std::int32_t> from,
                            std::vector<std::int32_t>& near);
   void searchGroup(const Group& group, const SearchInput& input, Cursors& cursors, Piece& piece) const;
   void searchParticle(std::int32_t at, const SearchInput& input, Piece& piece) const;
@@ -133,6 +132,7 @@ class CandidateList {
   SpatialHash moving_, fixed_;
   bool fixedIsPlaced_ = false;
   bool everythingMeets_ = false;
+  std::vector<std::int32_t> allSurfaces_;
   std::vector<Piece> pieces_;
   std::int64_t tests_ = 0;
   std::vector<std::int32_t> rowStart_, partner_;

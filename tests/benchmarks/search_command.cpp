@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // granular_bench search: neighbours by the paper's hash as it reads (every particle in its 27 voxels, one
-// look-up a query; Bell 2005, sec. 3.2), by the plain one (one voxel, 27 look-ups) and by ours (voxels that
-// know their neighbours; lists with a skin). All three find the same pairs, or no time is printed. Time
+// look-up a query; Bell 2005, sec. 3.2), by the plain one (one voxel, 27 look-ups) and by ours (voxels in
+// the order of rows; lists with a margin). All three find the same pairs, or no time is printed. Time
 // against how far particles move in a step.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -144,7 +144,7 @@ class VoxelSearch {
   std::unordered_map<Cell, std::vector<std::int32_t>, CellHash> voxels_;
 };
 
-/// The list of the library, made anew when something has moved half a skin.
+/// The list of the library, made anew when something has moved too far.
 class ListSearch {
  public:
   explicit ListSearch(const Cloud& cloud) : own_(cloud.rows.size()), margin_(own_.size(), kMargin) {
