@@ -8,7 +8,7 @@
 namespace granular {
 namespace {
 
-constexpr std::int32_t kParticlesPerPiece = 512;  // large enough that handing out pieces costs nothing
+constexpr std::int32_t kVoxelsPerPiece = 256;  // large enough that handing out pieces costs nothing
 
 /// Tags of those in a run that are near and have a higher tag go to hits; returns the end of them.
 /// No branch: which of some fifty are near, no processor guesses.
@@ -62,11 +62,11 @@ void CandidateList::rebuild(const SearchInput& input, const Executor& executor) 
   allSurfaces_.resize(input.surfaces.size());
   std::iota(allSurfaces_.begin(), allSurfaces_.end(), 0);
   everythingMeets_ = rules.group.empty() && rules.excludedPairs.empty() && rules.bodies.empty();
-  const std::int32_t pieces = Executor::pieceCount(moving_.size(), kParticlesPerPiece);
+  const std::int32_t pieces = Executor::pieceCount(moving_.voxelCount(), kVoxelsPerPiece);
   if (static_cast<std::int32_t>(pieces_.size()) < pieces) pieces_.resize(pieces);
   for (Piece& piece : pieces_) piece.clear();
   executor.forPieces(pieces, [&](std::int32_t p) {
-    searchPiece(p * kParticlesPerPiece, std::min(moving_.size(), (p + 1) * kParticlesPerPiece), input,
+    searchPiece(p * kVoxelsPerPiece, std::min(moving_.voxelCount(), (p + 1) * kVoxelsPerPiece), input,
                 pieces_[p]);
   });
   joinRows(input, executor);
@@ -89,30 +89,27 @@ void CandidateList::place(const SearchInput& input, const Executor& executor) {
   fixedIsPlaced_ = true;
 }
 
-/// Voxels that begin within [begin, end) of the hash.
+/// Voxels [begin, end) of the hash.
 void CandidateList::searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input,
                                 Piece& piece) const {
-  while (begin > 0 && begin < end && moving_.isSameVoxel(begin - 1, begin)) ++begin;
-  while (begin < end && end < moving_.size() && moving_.isSameVoxel(end - 1, end)) ++end;
   Cursors cursors;
   if (!input.surfaces.empty()) {
-    findSurfaces(groupAt(begin, end, input), input, allSurfaces_, piece.surfaces);
+    findSurfaces(groupIn(begin, end, input), input, allSurfaces_, piece.surfaces);
   }
-  while (begin < end) {
-    std::int32_t next = begin + 1;
-    while (next < end && moving_.isSameVoxel(begin, next)) ++next;
-    const Group group = groupAt(begin, next, input);
+  for (std::int32_t voxel = begin; voxel < end; ++voxel) {
+    const Group group = groupIn(voxel, voxel + 1, input);
     if (group.count > 0) searchGroup(group, input, cursors, piece);
-    begin = next;
   }
 }
 
-CandidateList::Group CandidateList::groupAt(std::int32_t begin, std::int32_t end,
+/// Those in voxels [begin, end).
+CandidateList::Group CandidateList::groupIn(std::int32_t begin, std::int32_t end,
                                             const SearchInput& input) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Group group{
-      .begin = begin, .end = end, .box = {Vector3::Constant(kInfinity), Vector3::Constant(-kInfinity)}};
-  for (std::int32_t at = begin; at < end; ++at) {
+  Group group{.begin = moving_.voxelBegin(begin),
+              .end = moving_.voxelBegin(end),
+              .box = {Vector3::Constant(kInfinity), Vector3::Constant(-kInfinity)}};
+  for (std::int32_t at = group.begin; at < group.end; ++at) {
     if (SpatialHash::slotOf(moving_.tag()[at]) >= input.dynamicCount) continue;
     ++group.count;
     const Vector3 center(moving_.x()[at], moving_.y()[at], moving_.z()[at]);

@@ -112,7 +112,7 @@ class CandidateList {
   struct Cursors {
     SpatialHash::Cursors moving, fixed;
   };
-  /// Dynamic particles of one voxel.
+  /// Dynamic particles of a voxel, or of some.
   struct Group {
     std::int32_t begin, end;  // in the order of the hash, others among them
     std::int32_t count = 0;
@@ -122,7 +122,7 @@ class CandidateList {
 
   void place(const SearchInput& input, const Executor& executor);
   void searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input, Piece& piece) const;
-  Group groupAt(std::int32_t begin, std::int32_t end, const SearchInput& input) const;
+  Group groupIn(std::int32_t begin, std::int32_t end, const SearchInput& input) const;
   static void findSurfaces(const Group& group, const SearchInput& input, std::span<const std::int32_t> from,
                            std::vector<std::int32_t>& near);
   void searchGroup(const Group& group, const SearchInput& input, Cursors& cursors, Piece& piece) const;

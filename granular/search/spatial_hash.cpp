@@ -26,21 +26,24 @@ double reachOf(const SpatialHash::Input& input, std::int32_t i) {
   return input.particles[i].radius + (input.margin.empty() ? 0.0 : input.margin[i]);
 }
 
-}  // namespace
+using Cell = std::array<std::int32_t, 3>;
 
-SpatialHash::Key SpatialHash::packKey(int level, const Cell& cell) {
-  return static_cast<Key>(level) << 3 * kBits | static_cast<Key>(cell[2]) << 2 * kBits |
-         static_cast<Key>(cell[1]) << kBits | static_cast<Key>(cell[0]);
+std::uint64_t packKey(int level, const Cell& cell) {
+  return static_cast<std::uint64_t>(level) << 3 * kBits | static_cast<std::uint64_t>(cell[2]) << 2 * kBits |
+         static_cast<std::uint64_t>(cell[1]) << kBits | static_cast<std::uint64_t>(cell[0]);
 }
 
-SpatialHash::Cell SpatialHash::unpackKey(Key key) {
+Cell unpackKey(std::uint64_t key) {
   return {static_cast<std::int32_t>(key & kMask), static_cast<std::int32_t>(key >> kBits & kMask),
           static_cast<std::int32_t>(key >> 2 * kBits & kMask)};
 }
 
+}  // namespace
+
 void SpatialHash::reset() {
   order_.clear();
   keys_.clear();
+  voxels_.clear();
   levels_.fill({});
   moves_ = 0;
 }
@@ -69,7 +72,7 @@ int SpatialHash::levelOf(double reach) const {
   return level;
 }
 
-std::int32_t SpatialHash::cellAt(int level, int axis, double at) const {
+inline std::int32_t SpatialHash::cellAt(int level, int axis, double at) const {
   const double cell = std::floor((at - origin_[axis]) * inverseEdge_[level]) + (1 << (kBits - 1));
   // In this order, what is not a number is in the last voxel too.
   return static_cast<std::int32_t>(std::max(0.0, std::min(double{kLastCell}, cell)));
@@ -138,38 +141,43 @@ void SpatialHash::copyInOrder(const Input& input, const Executor& executor) {
 }
 
 void SpatialHash::measureLevels() {
+  voxels_.clear();
+  voxelBegin_.clear();
   levels_.fill({});
-  std::int32_t at = 0;
-  for (int l = 0; l < kLevels; ++l) {
-    Level& level = levels_[l];
-    level.begin = at;
-    level.lowest.fill(kLastCell);
-    for (; at < size() && order_[at].first >> 3 * kBits == static_cast<Key>(l); ++at) {
-      level.largestReach = std::max(level.largestReach, reach_[at]);
-      const Cell cell = unpackKey(order_[at].first);
-      for (int axis = 0; axis < 3; ++axis) {
-        level.lowest[axis] = std::min(level.lowest[axis], cell[axis]);
-        level.highest[axis] = std::max(level.highest[axis], cell[axis]);
-      }
+  for (Level& level : levels_) level.lowest.fill(kLastCell);
+  for (std::int32_t at = 0; at < size(); ++at) {
+    const Key key = order_[at].first;
+    Level& level = levels_[key >> 3 * kBits];
+    level.largestReach = std::max(level.largestReach, reach_[at]);
+    if (!voxels_.empty() && voxels_.back() == key) continue;
+    if (level.end == 0) level.begin = voxelCount();
+    voxels_.push_back(key);
+    voxelBegin_.push_back(at);
+    level.end = voxelCount();
+    const Cell cell = unpackKey(key);
+    for (int axis = 0; axis < 3; ++axis) {
+      level.lowest[axis] = std::min(level.lowest[axis], cell[axis]);
+      level.highest[axis] = std::max(level.highest[axis], cell[axis]);
     }
-    level.end = at;
   }
+  voxelBegin_.push_back(size());
 }
 
-/// First of the level that is not before this key, which is of this row.
-std::int32_t SpatialHash::seek(const Level& level, Key row, Key key, Cursors& cursors) const {
+/// First voxel of the level that is not before this one.
+std::int32_t SpatialHash::seek(const Level& level, Key key, Cursors& cursors) const {
   // Rows of a neighbourhood have places of their own.
+  const Key row = key >> kBits;
   Cursors::Row& cursor = cursors.at_[(row & 7) | (row >> kBits & 7) << 3 | (row >> 2 * kBits & 3) << 6];
   std::int32_t at = cursor.at;
   if (cursor.key != row) {
     at = static_cast<std::int32_t>(
-        std::lower_bound(order_.begin() + level.begin, order_.begin() + level.end, Entry{key, -1}) -
-        order_.begin());
+        std::lower_bound(voxels_.begin() + level.begin, voxels_.begin() + level.end, key) - voxels_.begin());
+    cursor.key = row;
   } else {
-    while (at < level.end && order_[at].first < key) ++at;
-    while (at > level.begin && order_[at - 1].first >= key) --at;
+    while (at < level.end && voxels_[at] < key) ++at;
+    while (at > level.begin && voxels_[at - 1] >= key) --at;
   }
-  cursor = {row, at};
+  cursor.at = at;
   return at;
 }
 
@@ -186,13 +194,14 @@ void SpatialHash::findRuns(const Box& box, double reach, Cursors& cursors, std::
       isOutside |= low[axis] > high[axis];
     }
     if (isOutside) continue;
+    const Key length = static_cast<Key>(high[0] - low[0]);
     for (Cell cell = low; cell[2] <= high[2]; ++cell[2]) {
       for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
-        const Key first = packKey(l, cell), last = packKey(l, {high[0], cell[1], cell[2]});
-        Run run;
-        run.begin = run.end = seek(level, first >> kBits, first, cursors);
-        while (run.end < level.end && order_[run.end].first <= last) ++run.end;
-        if (run.begin < run.end) runs.push_back(run);
+        const Key first = packKey(l, cell);
+        const std::int32_t begin = seek(level, first, cursors);
+        std::int32_t end = begin;
+        while (end < level.end && voxels_[end] <= first + length) ++end;
+        if (begin < end) runs.push_back({voxelBegin_[begin], voxelBegin_[end]});
       }
     }
   }

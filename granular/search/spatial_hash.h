@@ -49,9 +49,12 @@ class SpatialHash {
   /// Puts all particles where they are now. One comparison for each that stayed in its voxel.
   void place(const Input& input, const Executor& executor);
 
+  /// Voxels that hold something, in order; particles of voxel v are [voxelBegin(v), voxelBegin(v + 1)).
+  std::int32_t voxelCount() const { return static_cast<std::int32_t>(voxels_.size()); }
+  std::int32_t voxelBegin(std::int32_t voxel) const { return voxelBegin_[voxel]; }
+
   // In the order of the hash.
   std::int32_t size() const { return static_cast<std::int32_t>(order_.size()); }
-  bool isSameVoxel(std::int32_t a, std::int32_t b) const { return order_[a].first == order_[b].first; }
   std::span<const double> x() const { return x_; }
   std::span<const double> y() const { return y_; }
   std::span<const double> z() const { return z_; }
@@ -86,13 +89,11 @@ class SpatialHash {
   using Entry = std::pair<Key, std::int32_t>;  // and particle
   static constexpr int kLevels = 16;
   struct Level {
-    std::int32_t begin = 0, end = 0;  // in the order
+    std::int32_t begin = 0, end = 0;  // voxels
     double largestReach = 0.0;        // m
-    Cell lowest{}, highest{};         // voxels
+    Cell lowest{}, highest{};
   };
 
-  static Key packKey(int level, const Cell& cell);
-  static Cell unpackKey(Key key);
   void chooseEdges(const Input& input);
   int levelOf(double reach) const;
   std::int32_t cellAt(int level, int axis, double at) const;
@@ -101,7 +102,7 @@ class SpatialHash {
   void mergeMoved();
   void copyInOrder(const Input& input, const Executor& executor);
   void measureLevels();
-  std::int32_t seek(const Level& level, Key row, Key key, Cursors& cursors) const;
+  std::int32_t seek(const Level& level, Key key, Cursors& cursors) const;
 
   Vector3 origin_ = Vector3::Zero();
   double edge_ = 1.0;  // of voxels of level 0, m
@@ -109,6 +110,8 @@ class SpatialHash {
   std::array<double, kLevels> inverseEdge_{};
   std::vector<Key> keys_, keysNow_;  // of particle i, so that staying put is one comparison
   std::vector<Entry> order_, moved_, merged_;
+  std::vector<Key> voxels_;
+  std::vector<std::int32_t> voxelBegin_;  // one entry more than voxels
   std::array<Level, kLevels> levels_;
   std::int64_t moves_ = 0;
   std::vector<double> x_, y_, z_, reach_;
