@@ -117,7 +117,7 @@ TEST(SpatialHash, ChangesNothingWhenParticlesStayInTheirVoxels) {
   const std::vector<std::int32_t> rank = {0, 1};
   SpatialHash hash;
   hash.place({.particles = before, .margin = {}, .rank = rank}, Executor(1));
-  // Borders are at the second one, and two radii from it.
+  // Borders are at the second one, and 2.4 radii from it.
   hash.place({.particles = after, .margin = {}, .rank = rank}, Executor(1));
   EXPECT_EQ(hash.moveCount(), 0);
   EXPECT_TRUE(hash.x()[0] == 0.3 || hash.x()[1] == 0.3) << "but where they are";

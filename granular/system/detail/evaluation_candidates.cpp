@@ -13,6 +13,8 @@ namespace {
 // List rebuilds between two sortings of the places by cell: grains travel a few radii in that time.
 constexpr std::int64_t kRebuildsPerSort = 200;
 
+// Of the mean margin, what everything has at least.
+constexpr double kShareAtRest = 0.25;
 // Mean margin in smallest radii, and the factor by which it changes from list to list.
 constexpr double kNarrowestMargin = 0.05, kWidestMargin = 0.6, kMarginStep = 1.1;
 // Largest margin of a fast thing, in smallest radii: about it the list grows with the third power.
@@ -67,7 +69,7 @@ void Evaluation::adaptMargin() {
   }
 }
 
-/// Half of the mean margin for everyone, as anything may be hit; the other half by speed, so that few fast
+/// A part of the mean margin for everyone, as anything may be hit; the others by speed, so that few fast
 /// things do not make the list of all others old.
 void Evaluation::chooseMargins() {
   const std::int32_t moving = layout_.movingCount();
@@ -75,9 +77,9 @@ void Evaluation::chooseMargins() {
   for (std::int32_t place = 0; place < moving; ++place) {
     if (const double speed = fastestPoint(owners_[place]); std::isfinite(speed)) sum += speed;
   }
-  const double atRest = 0.5 * margin_ * layout_.smallestRadius;
+  const double mean = margin_ * layout_.smallestRadius, atRest = kShareAtRest * mean;
   const double largest = kLargestMargin * layout_.smallestRadius;
-  const double time = sum > 0.0 ? atRest * moving / sum : 0.0;
+  const double time = sum > 0.0 ? (mean - atRest) * moving / sum : 0.0;
   const auto marginAt = [&](double speed) { return std::min(largest, atRest + time * speed); };
   margins_.resize(layout_.movingParticles);
   for (std::int32_t place = 0; place < moving; ++place) {
