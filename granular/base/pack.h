@@ -23,8 +23,92 @@ namespace granular {
 // Files that are compiled for several processors must not share names whose meaning depends on which.
 inline namespace GRANULAR_ISA {
 
-using Pack = std::experimental::native_simd<double>;
-inline constexpr int kPackSize = static_cast<int>(Pack::size());
+using Register = std::experimental::native_simd<double>;
+inline constexpr int kRegisterSize = static_cast<int>(Register::size()), kPackSize = 2 * kRegisterSize;
+
+/// What compares two packs: a bool for each lane. Halves are the compiler's own vectors, all bits or none, as
+/// it would not keep structures of structures in registers.
+struct PackMask {
+  using Half = std::int64_t __attribute__((vector_size(sizeof(Register))));
+  Half low, high;
+
+  PackMask() = default;
+  PackMask(const PackMask& other)
+      : low(other.low), high(other.high) {}  // a copy of bytes would go through memory
+  PackMask& operator=(const PackMask& other) {
+    low = other.low, high = other.high;
+    return *this;
+  }
+  PackMask(const Half& a, const Half& b) : low(a), high(b) {}
+  PackMask(bool all) : low(Half{} - all), high(low) {}
+  bool operator[](int lane) const {
+    return (lane < kRegisterSize ? low[lane] : high[lane - kRegisterSize]) != 0;
+  }
+  void set(int lane, bool value) {
+    Half& half = lane < kRegisterSize ? low : high;
+    half[lane % kRegisterSize] = -std::int64_t{value};
+  }
+  friend PackMask operator&&(const PackMask& a, const PackMask& b) {
+    return {a.low & b.low, a.high & b.high};
+  }
+  friend PackMask operator||(const PackMask& a, const PackMask& b) {
+    return {a.low | b.low, a.high | b.high};
+  }
+};
+
+/// Two registers side by side: what waits on a long chain of roots and quotients in one is filled with the
+/// other's.
+struct Pack {
+  using Half = double __attribute__((vector_size(sizeof(Register))));
+  using Bits = std::uint64_t __attribute__((vector_size(sizeof(Register))));
+  Half low, high;
+
+  Pack() = default;
+  Pack(const Pack& other) : low(other.low), high(other.high) {}  // a copy of bytes would go through memory
+  Pack& operator=(const Pack& other) {
+    low = other.low, high = other.high;
+    return *this;
+  }
+  Pack(const Half& a, const Half& b) : low(a), high(b) {}
+  Pack(double all) : low(all - Half{}), high(low) {}
+  /// of(lane) in every lane.
+  template <class Function>
+  requires std::is_invocable_r_v<double, Function, int>
+  explicit Pack(Function&& of) {
+    for (int lane = 0; lane < kRegisterSize; ++lane) low[lane] = of(lane);
+    for (int lane = 0; lane < kRegisterSize; ++lane) high[lane] = of(kRegisterSize + lane);
+  }
+  double operator[](int lane) const { return lane < kRegisterSize ? low[lane] : high[lane - kRegisterSize]; }
+
+  friend Pack operator+(const Pack& a, const Pack& b) { return {a.low + b.low, a.high + b.high}; }
+  friend Pack operator-(const Pack& a, const Pack& b) { return {a.low - b.low, a.high - b.high}; }
+  friend Pack operator*(const Pack& a, const Pack& b) { return {a.low * b.low, a.high * b.high}; }
+  friend Pack operator/(const Pack& a, const Pack& b) { return {a.low / b.low, a.high / b.high}; }
+  friend Pack operator-(const Pack& a) { return {-a.low, -a.high}; }
+  friend PackMask operator<(const Pack& a, const Pack& b) { return {a.low < b.low, a.high < b.high}; }
+  friend PackMask operator>(const Pack& a, const Pack& b) { return {a.low > b.low, a.high > b.high}; }
+  friend PackMask operator>=(const Pack& a, const Pack& b) { return {a.low >= b.low, a.high >= b.high}; }
+  friend PackMask operator!=(const Pack& a, const Pack& b) { return {a.low != b.low, a.high != b.high}; }
+  friend Pack select(const PackMask& condition, const Pack& a, const Pack& b) {
+    return {condition.low ? a.low : b.low, condition.high ? a.high : b.high};
+  }
+  friend Pack sqrt(const Pack& a) {
+    const auto root = [](const Half& half) { return static_cast<Half>(sqrt(Register(half))); };
+    return {root(a.low), root(a.high)};
+  }
+  friend Pack min(const Pack& a, const Pack& b) {
+    const auto least = [](const Half& x, const Half& y) {
+      return static_cast<Half>(min(Register(x), Register(y)));
+    };
+    return {least(a.low, b.low), least(a.high, b.high)};
+  }
+  friend Pack max(const Pack& a, const Pack& b) {
+    const auto most = [](const Half& x, const Half& y) {
+      return static_cast<Half>(max(Register(x), Register(y)));
+    };
+    return {most(a.low, b.low), most(a.high, b.high)};
+  }
+};
 
 }  // namespace GRANULAR_ISA
 
@@ -77,54 +161,49 @@ template <class Real>
 using MaskOf = decltype(Real() < Real());
 namespace detail {
 
-template <class Real>
-struct BitsOf {
-  using Type = std::experimental::rebind_simd_t<std::uint64_t, Real>;
-};
-template <>
-struct BitsOf<double> {
-  using Type = std::uint64_t;
-};
-
-// The upper half of a double's bits is a straight line for its logarithm: minus a fifth of it, and 6/5 of
-// that of 1 less what makes the largest error least, 3 %.
-constexpr std::uint64_t kInverseFifthRootBits = 0x3ff00000u / 5 * 6 - 0x10000u;
-template <class Real>
+/// x^(-1/5) to 3 %: the upper half of a double's bits, as a number, is a straight line for its logarithm. Of
+/// a double and of a register's vector; Bits of the same size.
+template <class Bits, class Real>
 Real inverseFifthRootGuess(const Real& x) {
-  using Bits = typename BitsOf<Real>::Type;
-  static_assert(sizeof(Bits) == sizeof(Real));
-  const Bits high = std::bit_cast<Bits>(x) >> 32;
-  return std::bit_cast<Real>(Bits((kInverseFifthRootBits - (high * std::uint64_t{0xcccccccd} >> 34)) << 32));
+  // 6/5 of the upper half of 1.0, less what makes the largest error least.
+  constexpr double kOffset = 0x3ff00000 * 1.2 - 0x10000;
+  // A whole number below 2^52 stands in the lowest bits of itself + 2^52.
+  constexpr double kShift = 0x1p52;
+  constexpr auto kShiftBits = std::bit_cast<std::uint64_t>(kShift);
+  const Bits high = __builtin_bit_cast(Bits, x) >> 32 | kShiftBits;
+  const Real logarithm = __builtin_bit_cast(Real, high) - kShift;
+  return __builtin_bit_cast(Real, __builtin_bit_cast(Bits, (kShift + kOffset) - 0.2 * logarithm) << 32);
 }
 
 }  // namespace detail
+
+inline namespace GRANULAR_ISA {
+
+/// A pack of of(lane), lane = 0 ... kPackSize - 1.
+template <class Function>
+Pack packOf(Function&& of) {
+  return Pack(of);
+}
+
+}  // namespace GRANULAR_ISA
 
 /// x^(-1/5), x > 0 and no denormal: Newton's iteration, which costs neither divisions nor a library's pow,
 /// whose bits differ between libraries. To 4e-16 or so.
 template <class Real>
 Real inverseFifthRoot(const Real& x) {
-  Real y = detail::inverseFifthRootGuess(x);
+  Real y;
+  if constexpr (std::is_same_v<Real, double>) {
+    y = detail::inverseFifthRootGuess<std::uint64_t>(x);
+  } else {
+    y = {detail::inverseFifthRootGuess<typename Real::Bits>(x.low),
+         detail::inverseFifthRootGuess<typename Real::Bits>(x.high)};
+  }
   for (int i = 0; i < 4; ++i) {
     const Real y2 = y * y;
     y = y * (1.2 - 0.2 * x * (y2 * y2 * y));
   }
   return y;
 }
-
-inline namespace GRANULAR_ISA {
-
-inline Pack select(const Pack::mask_type& condition, const Pack& a, Pack b) {
-  std::experimental::where(condition, b) = a;
-  return b;
-}
-
-/// A pack of of(lane), lane = 0 ... kPackSize - 1.
-template <class Function>
-Pack packOf(Function&& of) {
-  return Pack([&](auto lane) { return of(static_cast<int>(lane)); });
-}
-
-}  // namespace GRANULAR_ISA
 
 template <class Real>
 Vector3Of<Real> select(const MaskOf<Real>& condition, const Vector3Of<Real>& a, const Vector3Of<Real>& b) {

@@ -63,15 +63,14 @@ Real stiffnessPower(const ShearConstantsOf<Real>& shear) {
 /// A contact under laws without memory (eqs. 16 and 18), or several at a time.
 template <class Normal, class Shear, class Real>
 ContactResultOf<Real> resultWithoutMemory(const NormalConstantsOf<Real>& normal,
-                                          const ShearConstantsOf<Real>& shear, const Real& xi,
-                                          const Vector3Of<Real>& N, const Vector3Of<Real>& V) {
-  const Real xiDot = V.dot(N);                       // eq. 4
-  const Vector3Of<Real> Vt = V - xiDot * N;          // eq. 5
-  const Real fn = Normal::force(normal, xi, xiDot);  // eqs. 6-7; by area: a pressure
+                                          const ShearConstantsOf<Real>& shear,
+                                          const ContactGeometryOf<Real>& g) {
+  const Real xiDot = g.V.dot(g.N);                     // eq. 4
+  const Vector3Of<Real> Vt = g.V - xiDot * g.N;        // eq. 5
+  const Real fn = Normal::force(normal, g.xi, xiDot);  // eqs. 6-7; by area: a pressure
   const Vector3Of<Real> Ft = Shear::force(shear, Real(max(Real(0.0), fn)), Vt);
-  return {.force = Ft - fn * N,
-          .dissipation = (fn - Normal::elasticForce(normal, xi)) * xiDot - Ft.dot(Vt),
-          .normalForce = fn};
+  const Real heat = (fn - Normal::elasticForce(normal, g.xi)) * xiDot - Ft.dot(Vt);
+  return {.force = g.share * (Ft - fn * g.N), .dissipation = g.share * heat, .normalForce = g.share * fn};
 }
 
 /// Energy of a spring that remembers, J.
@@ -131,8 +130,7 @@ ContactResult contactResult(const NormalConstants& normal, const ShearConstants&
   if constexpr (Shear::kHasMemory) {
     return resultWithMemory<Normal, Shear, double>(normal, shear, g, D, *memory);
   } else {
-    const ContactResult one = resultWithoutMemory<Normal, Shear, double>(normal, shear, g.xi, g.N, g.V);
-    return {g.share * one.force, g.share * one.dissipation, g.share * one.normalForce};
+    return resultWithoutMemory<Normal, Shear, double>(normal, shear, g);
   }
 }
 

@@ -65,7 +65,7 @@ struct ElasticFoundation {
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr * request.bodyArea / request.contact.mass,
             .fixedUrgency = urgencyOfContactTime(std::numbers::pi / frequency),
-            .impactTime = std::numbers::pi / frequency};
+            .impactRate = frequency / std::numbers::pi};
   }
 };
 

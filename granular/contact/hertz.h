@@ -53,7 +53,7 @@ struct Hertz {
                                       : dampingConstant(request.damping, kr, m, v, r),
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr / m,
-            .impactTime = kHertzTime / (r * r * v)};
+            .impactRate = r * r * (v / kHertzTime)};
   }
 
   /// kd from the dimensionless damping D: D m (kr/m)^(2/5 (alpha + 1)) v^((1 - 4 alpha)/5); v = the speed at

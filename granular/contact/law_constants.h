@@ -20,7 +20,7 @@ struct NormalConstantsOf {
   Real smallestForce = 0.0;     ///< 0: no attraction; -infinity: the damper may pull
   Real stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time of Hertz laws
   Real fixedUrgency = 0.0;      ///< for laws whose contact time does not depend on speed
-  Real impactTime = 0.0;        ///< contact time of an elastic impact at the speed of the request, s
+  Real impactRate = 0.0;  ///< one over the contact time of an elastic impact at the speed of the request, 1/s
 };
 using NormalConstants = NormalConstantsOf<double>;
 

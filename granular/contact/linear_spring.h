@@ -91,7 +91,7 @@ struct LinearSpring {
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr / m,
             .fixedUrgency = urgencyOfContactTime(contactTime),
-            .impactTime = contactTime};
+            .impactRate = 1.0 / contactTime};
   }
 };
 

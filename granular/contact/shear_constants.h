@@ -20,9 +20,8 @@ ShearConstantsOf<Real> shearConstants(const MaterialPair& pair, const NormalCons
                                       const Real& mass, double area) {
   const ShearLawDef& def = pair.def.shear;
   const double v = pair.def.restitutionSpeed;
-  // Contact time of an impact at the reference speed, and the normal spring at half its deepest overlap.
-  const Real time = normal.impactTime;
-  const Real stiffness = area * Normal::tangentStiffness(normal, Real(0.25 * v * time));
+  // The normal spring at half the deepest overlap of an impact at the reference speed.
+  const Real stiffness = area * Normal::tangentStiffness(normal, Real(0.25 * v / normal.impactRate));
   // 2/7: tangential effective mass of solid spheres over m_eff. The default viscosity brings a sliding
   // contact to rest within one contact time, so that it asks for no shorter a sub-step than the normal law
   // does.
@@ -30,7 +29,7 @@ ShearConstantsOf<Real> shearConstants(const MaterialPair& pair, const NormalCons
   const Real kt = def.stiffness ? Real(*def.stiffness) : Real(pair.shearModulusRatio * stiffness);
   const double ratio = def.dampingRatio.value_or(def.law == ShearLaw::Coulomb ? kHoldingDamping : 0.0);
   const Real viscosity =
-      def.viscosity ? Real(*def.viscosity) : Real(tangentialMass * std::numbers::pi / time);
+      def.viscosity ? Real(*def.viscosity) : Real(tangentialMass * (std::numbers::pi * normal.impactRate));
   return {.mu = pair.friction,
           .viscosity = viscosity / area,
           .stiffness = def.stiffness.value_or(0.0) / area,

@@ -27,9 +27,9 @@ struct StaticFriction {
     const Vector3Of<Real> T = kt * D + c.dashpot * Vt;
     return T.squaredNorm() > c.mu * fn * c.mu * fn;
   }
-  /// D from then on, m: the same force at the limit, of which the dashpot is given nothing that goes along with
-  /// it. Were T cut down to the limit, dashpot and all, as other codes do, D would be -c Vt/kt or so in fast
-  /// sliding: energy from nowhere, more of it the faster. Test: SlidingCubes.EnergyIsAccountedFor.
+  /// D from then on, m: the same force at the limit, of which the dashpot is given nothing that goes along
+  /// with it. Were T cut down to the limit, dashpot and all, as other codes do, D would be -c Vt/kt or so in
+  /// fast sliding: energy from nowhere, more of it the faster. Test: SlidingCubes.EnergyIsAccountedFor.
   template <class Real>
   static Vector3Of<Real> settled(const ShearConstantsOf<Real>& c, const Real& fn, const Real& kt,
                                  const Vector3Of<Real>& Vt, const Vector3Of<Real>& D,

@@ -21,10 +21,13 @@ namespace granular::detail {
 /// Where the numbers are.
 struct ContactArrays {
   std::int32_t particleCount = 0;
-  std::int32_t dynamicParticles = 0;          ///< have rows of candidates
-  const ParticleRow* particles = nullptr;     ///< [slot]
-  const OwnerRow* owners = nullptr;           ///< [place]
-  const std::int32_t* placeOfSlot = nullptr;  ///< place of the owner
+  std::int32_t dynamicParticles = 0;       ///< have rows of candidates
+  const ParticleRow* particles = nullptr;  ///< [slot]
+  const OwnerRow* owners = nullptr;        ///< [place]
+  const ParticleRow* balls = nullptr;  ///< [place] centre and reach; of what moves where it is more than...
+  bool movesOnlySpheres = false;       ///< ...spheres: these are their own balls, and slots are places
+  const std::int32_t* placeOfSlot = nullptr;     ///< place of the owner
+  const double* surfaceInverseRadius = nullptr;  ///< [surface], 1/m; 0: no sphere, counts as flat
   // The candidate list.
   const std::int32_t* rowStart = nullptr;
   const std::int32_t* partner = nullptr;  ///< [candidate]
@@ -54,9 +57,18 @@ struct ContactArrays {
 using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row, std::int32_t end,
                                    std::int32_t& n);
 
-/// The forces of contacts which[0 .. count) between round particles, all under this pair rule.
-using ForceKernel = void (*)(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies,
-                             const std::int32_t* which, std::int32_t count, Extremes& extremes);
+/// Some contacts under one rule.
+struct ContactRun {
+  const MaterialPair* pair;
+  bool ofBodies;
+  /// Round particles on exact surfaces: where they meet is in `forces` already, as SurfaceMeeting has it.
+  /// Else both are round particles.
+  bool onSurfaces;
+  std::span<const std::int32_t> which;
+};
+
+/// The forces of a run.
+using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
 
 /// Contacts of rows [begin, end) on the owners of those rows.
 using RowSumKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
@@ -64,8 +76,22 @@ using RowSumKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, s
 /// What touches patches [begin, end): the sums of its own rows, then contacts in the rows of others.
 using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
 
+/// What a drift reads and writes: poses and momenta of a state by place, and the rates of these momenta.
+struct DriftArrays {
+  Drift drift;
+  const double *poses, *momenta, *rates;
+  double *posesTo, *momentaTo;
+  const double* inverseInertia;  ///< [place] as Layout::isotropicInverseInertia
+};
+
+/// Drifts owners in places [begin, end). Lists in `left` the places of those that turn as no sphere does, or
+/// too far: they have to be done one by one. Returns how many these are.
+using DriftKernel = std::int32_t (*)(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
+                                     std::int32_t* left);
+
 struct ContactKernels {
   const char* processor;  ///< what it is for
+  DriftKernel drift;
   RowKernel findContacts;
   RowSumKernel sumRows;
   WrenchKernel sumWrenches;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The kernels for processors with AVX2.
 #include "granular/system/detail/contact_kernels_body.h"
+#include "granular/system/detail/drift_kernel_body.h"
 
 namespace granular::detail {
 
 extern const ContactKernels kAvx2Kernels;
-const ContactKernels kAvx2Kernels = {"avx2", findContacts, sumRows, sumWrenches, allKernels(NormalLaws{})};
+const ContactKernels kAvx2Kernels = {"avx2",  driftOwners, findContacts,
+                                     sumRows, sumWrenches, allKernels(NormalLaws{})};
 
 }  // namespace granular::detail

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The kernels for every processor that the library is compiled for.
 #include "granular/system/detail/contact_kernels_body.h"
+#include "granular/system/detail/drift_kernel_body.h"
 
 namespace granular::detail {
 
 extern const ContactKernels kBaselineKernels;
-const ContactKernels kBaselineKernels = {"baseline", findContacts, sumRows, sumWrenches,
-                                         allKernels(NormalLaws{})};
+const ContactKernels kBaselineKernels = {"baseline", driftOwners, findContacts,
+                                         sumRows,    sumWrenches, allKernels(NormalLaws{})};
 
 }  // namespace granular::detail

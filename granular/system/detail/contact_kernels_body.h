@@ -4,78 +4,14 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
-#include <cstring>
 
-#include "granular/base/pack.h"
 #include "granular/contact/shear_constants.h"
 #include "granular/system/detail/contact_kernels.h"
+#include "granular/system/detail/pack_rows.h"
 
 namespace granular::detail {
 namespace {
-
-// Rows are read as the rest of the library lays them out, whatever this processor would like.
-static_assert(alignof(Quaternion) == 16 && alignof(Vector3) == 8);
-
-/// Four numbers that lie side by side: a row, or half of one.
-using Four = double __attribute__((vector_size(32)));
-
-Four loadFour(const double* from) {
-  Four four;
-  std::memcpy(&four, from, sizeof(four));
-  return four;
-}
-void storeFour(const Four& four, double* to) {
-  std::memcpy(to, &four, sizeof(four));
-}
-
-/// Four packs; named one by one, as arrays would be kept in memory.
-template <class P>
-struct FourPacks {
-  P first, second, third, fourth;
-};
-
-/// Rows of four numbers, one a lane, into packs of first, second, third and fourth ones. of(lane): where.
-template <class P = Pack, class Function>
-FourPacks<P> packsOf(Function&& of) {
-  if constexpr (sizeof(P) == sizeof(Four)) {
-    const Four a = loadFour(of(0)), b = loadFour(of(1)), c = loadFour(of(2)), d = loadFour(of(3));
-    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
-               ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
-               cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    return {P(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5)),
-            P(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5)),
-            P(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7)),
-            P(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7))};
-  } else {
-    return {packOf([&](int lane) { return of(lane)[0]; }), packOf([&](int lane) { return of(lane)[1]; }),
-            packOf([&](int lane) { return of(lane)[2]; }), packOf([&](int lane) { return of(lane)[3]; })};
-  }
-}
-/// The way back, into the rows of the first `count` lanes.
-template <class P, class Function>
-void storeRows(const FourPacks<P>& packs, int count, Function&& of) {
-  if constexpr (sizeof(P) == sizeof(Four)) {
-    const auto a = static_cast<Four>(packs.first), b = static_cast<Four>(packs.second),
-               c = static_cast<Four>(packs.third), d = static_cast<Four>(packs.fourth);
-    const Four ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6),
-               ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Four cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6),
-               cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    storeFour(__builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), of(0));
-    if (count > 1) storeFour(__builtin_shufflevector(ab13, cd13, 0, 1, 4, 5), of(1));
-    if (count > 2) storeFour(__builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), of(2));
-    if (count > 3) storeFour(__builtin_shufflevector(ab13, cd13, 2, 3, 6, 7), of(3));
-  } else {
-    for (int lane = 0; lane < count; ++lane) {
-      double* to = of(lane);
-      to[0] = packs.first[lane], to[1] = packs.second[lane];
-      to[2] = packs.third[lane], to[3] = packs.fourth[lane];
-    }
-  }
-}
 
 /// The particles of some contacts.
 struct PackParticles {
@@ -89,24 +25,17 @@ PackParticles particlesOf(Function&& rowOf) {
   return {{row.first, row.second, row.third}, row.fourth};
 }
 
-/// Their owners.
+/// How their owners move.
 struct PackMotion {
-  Vector3Of<Pack> center, velocity, angularVelocity;
+  Vector3Of<Pack> velocity, angularVelocity;
   Pack inverseMass;
-
-  Vector3Of<Pack> at(const Vector3Of<Pack>& point) const {
-    return velocity + angularVelocity.cross(point - center);
-  }
 };
 template <class Function>
 PackMotion motionsOf(Function&& rowOf) {
-  const FourPacks<Pack> place = packsOf([&](int lane) { return rowOf(lane).center.data(); });
+  static_assert(offsetof(OwnerRow, inverseMass) == 3 * sizeof(double));
   const FourPacks<Pack> motion = packsOf([&](int lane) { return rowOf(lane).velocity.data(); });
   const FourPacks<Pack> spin = packsOf([&](int lane) { return rowOf(lane).angularVelocity.data(); });
-  return {{place.first, place.second, place.third},
-          {motion.first, motion.second, motion.third},
-          {spin.first, spin.second, spin.third},
-          place.fourth};
+  return {{motion.first, motion.second, motion.third}, {spin.first, spin.second, spin.third}, motion.fourth};
 }
 
 /// Where they meet; xi is 0 where they do not touch after all. Returns the distance of their centres.
@@ -122,12 +51,14 @@ Pack placeContacts(const PackParticles& a, const PackParticles& b, ContactGeomet
   return distance;
 }
 
-/// How the frames of contacts turn: with the line of centres, and about it as the two owners do on average.
-Vector3Of<Pack> turningOf(const PackParticles& a, const PackParticles& b, const PackMotion& motion1,
-                          const PackMotion& motion2, const Vector3Of<Pack>& N, const Pack& distance) {
+/// How the frames of contacts turn: with the line of centres, on flat surfaces with these, and about it as
+/// the two owners do on average. distance: of the centres; 0 where there is no line.
+Vector3Of<Pack> turningOf(const PackMotion& motion1, const PackMotion& motion2, const Vector3Of<Pack>& N,
+                          const Pack& distance, const Vector3Of<Pack>& velocityOfCenters, bool onSurfaces) {
   const Pack twist = 0.5 * Pack((motion1.angularVelocity + motion2.angularVelocity).dot(N));
-  const Pack inverse = select(distance > 0.0, Pack(1.0 / distance), 0.0);
-  const Vector3Of<Pack> swing = inverse * N.cross(motion2.at(b.center) - motion1.at(a.center));
+  const Vector3Of<Pack> ofLine = Pack(1.0 / distance) * velocityOfCenters.cross(N);
+  const Vector3Of<Pack> ofNoLine = onSurfaces ? motion2.angularVelocity : Vector3Of<Pack>::Zero();
+  const Vector3Of<Pack> swing = select<Pack>(distance > 0.0, ofLine, ofNoLine);
   return swing + (twist - swing.dot(N)) * N;
 }
 
@@ -144,8 +75,8 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
     });
   };
   for (int lane = 0; lane < kPackSize; ++lane) {
-    g.isNew[lane] = entry[lane] < 0;
-    g.slides[lane] = entry[lane] >= 0 && arrays.memory[entry[lane]].slides;
+    g.isNew.set(lane, entry[lane] < 0);
+    g.slides.set(lane, entry[lane] >= 0 && arrays.memory[entry[lane]].slides);
   }
   g.stiffnessBefore =
       packOf([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
@@ -164,10 +95,10 @@ void storeMemory(const ContactArrays& arrays, const Entries& entry, const Contac
                  const MaskOf<Pack>& touches, int count, Function&& of) {
   const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
   const Vector3Of<Pack>&D = memory.displacement, &next = memory.nextRate;
-  storeRows<Pack>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
-                  count, [&](int lane) { return of(lane).displacement.data(); });
-  storeRows<Pack>({ifTouching(next.x()), ifTouching(next.y()), ifTouching(next.z()), ifTouching(memory.loss)},
-                  count, [&](int lane) { return of(lane).nextRate.data(); });
+  storeRows({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
+            [&](int lane) { return of(lane).displacement.data(); });
+  storeRows({ifTouching(next.x()), ifTouching(next.y()), ifTouching(next.z()), ifTouching(memory.loss)},
+            [&](int lane) { return of(lane).nextRate.data(); });
   const Pack heating = ifTouching(memory.heating);
   for (int lane = 0; lane < count; ++lane) {
     of(lane).heating = heating[lane];
@@ -182,103 +113,162 @@ void storeMemory(const ContactArrays& arrays, const Entries& entry, const Contac
 /// Of the contacts so far, in every lane.
 struct PackExtremes {
   Pack urgency = 0.0, overlap = 0.0;
+  Pack contacts = 0.0, pushing = 0.0;  // how many
 };
 
-/// At most kPackSize contacts; lanes to spare do the last one again. request: all but sizes and masses.
-template <class Normal, class Shear>
-[[gnu::flatten]] void forcesOfPack(const ContactArrays& arrays, const MaterialPair& pair,
-                                   NormalRequestOf<Pack>& request, const std::int32_t* which,
-                                   std::int32_t count, PackExtremes& packed, Extremes& extremes) {
-  const auto contactOf = [&](int lane) -> const Contact& {
-    return arrays.contacts[which[std::min(lane, count - 1)]];
-  };
-  const auto ownerOf = [&](std::int32_t slot) -> const OwnerRow& {
-    return arrays.owners[arrays.placeOfSlot[slot]];
-  };
-  Entries entry{};
-  if constexpr (Shear::kHasMemory) {
+/// Which contacts are in one pack, and of what. Lanes to spare read what the last contact reads.
+struct PackContacts {
+  std::array<std::int32_t, kPackSize> contact, slot1, slot2, place1, place2;
+
+  PackContacts(const ContactArrays& arrays, const std::int32_t* which, std::int32_t count) {
     for (int lane = 0; lane < kPackSize; ++lane) {
-      entry[lane] = arrays.memoryOfCandidate[contactOf(lane).candidate];
+      contact[lane] = which[count < kPackSize ? std::min(lane, count - 1) : lane];
+      slot1[lane] = arrays.contacts[contact[lane]].slot1;
+      slot2[lane] = arrays.contacts[contact[lane]].slot2;
+      place1[lane] = arrays.placeOfSlot[slot1[lane]];
+      place2[lane] = arrays.placeOfSlot[slot2[lane]];
     }
   }
-  const PackParticles a =
-      particlesOf([&](int lane) -> auto& { return arrays.particles[contactOf(lane).slot1]; });
-  const PackParticles b =
-      particlesOf([&](int lane) -> auto& { return arrays.particles[contactOf(lane).slot2]; });
-  const PackMotion motion1 = motionsOf([&](int lane) -> auto& { return ownerOf(contactOf(lane).slot1); });
-  const PackMotion motion2 = motionsOf([&](int lane) -> auto& { return ownerOf(contactOf(lane).slot2); });
-  ContactGeometryOf<Pack> g;
-  const Pack distance = placeContacts(a, b, g);
-  g.V = motion1.at(g.point) - motion2.at(g.point);  // eq. 3
+};
 
-  const Pack inverseMass = motion1.inverseMass + motion2.inverseMass;
+/// Where they meet and how they move there.
+struct PackMeeting {
+  PackParticles a;
+  PackMotion motion1, motion2;
+  ContactGeometryOf<Pack> g;
+  Pack distance;  ///< of the centres, m; 0 on flat surfaces
+  Vector3Of<Pack> velocityOfCenters;
+  Pack effectiveRadius, smallerRadius;
+};
+
+PackMeeting meetingOf(const ContactArrays& arrays, const PackContacts& pack, bool onSurfaces) {
+  PackMeeting meeting;
+  PackParticles& a = meeting.a;
+  ContactGeometryOf<Pack>& g = meeting.g;
+  a = particlesOf([&](int lane) -> auto& { return arrays.particles[pack.slot1[lane]]; });
+  PackParticles b;
+  if (onSurfaces) {
+    const FourPacks<Pack> way =
+        packsOf([&](int lane) { return arrays.forces[pack.contact[lane]].force.data(); });
+    const FourPacks<Pack> place =
+        packsOf([&](int lane) { return arrays.forces[pack.contact[lane]].point.data(); });
+    const Pack inverseRadius = packOf(
+        [&](int lane) { return arrays.surfaceInverseRadius[pack.slot2[lane] - arrays.particleCount]; });
+    g.N = {way.first, way.second, way.third};
+    g.share = way.fourth;
+    g.point = {place.first, place.second, place.third};
+    g.xi = place.fourth;
+    meeting.distance = select(inverseRadius > 0.0, Pack(a.radius + 1.0 / inverseRadius - g.xi), 0.0);
+    b.center = a.center + meeting.distance * g.N;
+    meeting.effectiveRadius = a.radius / (1.0 + a.radius * inverseRadius);
+    meeting.smallerRadius = a.radius;
+  } else {
+    b = particlesOf([&](int lane) -> auto& { return arrays.particles[pack.slot2[lane]]; });
+    meeting.distance = placeContacts(a, b, g);
+    meeting.effectiveRadius = a.radius * b.radius / (a.radius + b.radius);
+    meeting.smallerRadius = min(a.radius, b.radius);
+  }
+  const PackMotion motion1 = meeting.motion1 =
+      motionsOf([&](int lane) -> auto& { return arrays.owners[pack.place1[lane]]; });
+  const PackMotion motion2 = meeting.motion2 =
+      motionsOf([&](int lane) -> auto& { return arrays.owners[pack.place2[lane]]; });
+  if (arrays.movesOnlySpheres && !onSurfaces) {
+    const Vector3Of<Pack> apart = motion1.velocity - motion2.velocity;
+    const Pack arm1 = a.radius - 0.5 * g.xi, arm2 = b.radius - 0.5 * g.xi;
+    g.V = apart + (arm1 * motion1.angularVelocity + arm2 * motion2.angularVelocity).cross(g.N);  // eq. 3
+    meeting.velocityOfCenters = apart;  // what turns spheres moves the point only
+    return meeting;
+  }
+  const PackParticles ball1 = arrays.movesOnlySpheres ? a : particlesOf([&](int lane) -> auto& {
+    return arrays.balls[pack.place1[lane]];
+  });
+  const PackParticles ball2 = particlesOf([&](int lane) -> auto& { return arrays.balls[pack.place2[lane]]; });
+  const auto between = [&](const Vector3Of<Pack>& on1, const Vector3Of<Pack>& on2) {
+    return motion1.velocity + motion1.angularVelocity.cross(on1 - ball1.center) -
+           (motion2.velocity + motion2.angularVelocity.cross(on2 - ball2.center));
+  };
+  g.V = between(g.point, g.point);  // eq. 3
+  meeting.velocityOfCenters = between(a.center, b.center);
+  return meeting;
+}
+
+/// At most kPackSize contacts. request: all but sizes and masses.
+template <class Normal, class Shear>
+[[gnu::flatten]] void forcesOfPack(const ContactArrays& arrays, const ContactRun& run,
+                                   NormalRequestOf<Pack>& request, std::span<const std::int32_t> which,
+                                   PackExtremes& packed) {
+  const auto count = static_cast<std::int32_t>(std::min(which.size(), std::size_t{kPackSize}));
+  const PackContacts pack(arrays, which.data(), count);
+  PackMeeting meeting = meetingOf(arrays, pack, run.onSurfaces);
+  ContactGeometryOf<Pack>& g = meeting.g;
+  const Pack inverseMass = meeting.motion1.inverseMass + meeting.motion2.inverseMass;
   request.contact.mass = select(inverseMass > 0.0, Pack(1.0 / inverseMass), 1.0);
-  request.contact.radius = a.radius * b.radius / (a.radius + b.radius);
+  request.contact.radius = meeting.effectiveRadius;
   const NormalConstantsOf<Pack> normal = Normal::template constants<Pack>(request);
-  const ShearConstantsOf<Pack> shear = shearConstants<Normal, Pack>(pair, normal, request.contact.mass, 1.0);
+  const ShearConstantsOf<Pack> shear =
+      shearConstants<Normal, Pack>(*run.pair, normal, request.contact.mass, 1.0);
 
   const auto touches = g.xi > 0.0;  // the test of findContacts and the exact overlap disagree by rounding
   ContactResultOf<Pack> result;
   if constexpr (Shear::kHasMemory) {
+    Entries entry;
+    for (int lane = 0; lane < kPackSize; ++lane) {
+      entry[lane] = arrays.memoryOfCandidate[arrays.contacts[pack.contact[lane]].candidate];
+    }
     ContactMemoryOf<Pack> memory;
-    g.turning = turningOf(a, b, motion1, motion2, g.N, distance);
+    g.turning = turningOf(meeting.motion1, meeting.motion2, g.N, meeting.distance, meeting.velocityOfCenters,
+                          run.onSurfaces);
     const Vector3Of<Pack> D = displacementsOf<Normal>(arrays, entry, shear, g);
     result = resultWithMemory<Normal, Shear, Pack>(normal, shear, g, D, memory);
-    storeMemory(arrays, entry, memory, touches, count,
-                [&](int lane) -> SettledMemory& { return arrays.contactMemory[which[lane]]; });
+    SettledMemory nowhere;
+    storeMemory(arrays, entry, memory, touches, count, [&](int lane) -> SettledMemory& {
+      return lane < count ? arrays.contactMemory[pack.contact[lane]] : nowhere;
+    });
   } else {
-    result = resultWithoutMemory<Normal, Shear, Pack>(normal, shear, g.xi, g.N, g.V);
+    result = resultWithoutMemory<Normal, Shear, Pack>(normal, shear, g);
   }
   const auto ifTouching = [&](const Pack& value) { return select(touches, value, 0.0); };
-  const auto forceOf = [&](int lane) { return arrays.forces[which[lane]].force.data(); };
-  const auto pointOf = [&](int lane) { return arrays.forces[which[lane]].point.data(); };
-  storeRows<Pack>({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
-                   ifTouching(result.dissipation)},
-                  count, forceOf);
-  storeRows<Pack>({g.point.x(), g.point.y(), g.point.z(), g.xi}, count, pointOf);
+  ContactForce nowhere;
+  const auto to = [&](int lane) -> ContactForce& {
+    return lane < count ? arrays.forces[pack.contact[lane]] : nowhere;
+  };
+  storeRows({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
+             ifTouching(result.dissipation)},
+            [&](int lane) { return to(lane).force.data(); });
+  storeRows({g.point.x(), g.point.y(), g.point.z(), g.xi}, [&](int lane) { return to(lane).point.data(); });
 
   packed.urgency = max(packed.urgency, ifTouching(Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)))));
-  packed.overlap = max(packed.overlap, g.xi / min(a.radius, b.radius));
-  auto counts = touches;
-  for (int lane = count; lane < kPackSize; ++lane) counts[lane] = false;
-  extremes.contacts += popcount(counts);
-  extremes.pushing += popcount(counts && result.normalForce != 0.0);
-}
-
-// So many contacts ahead the rows of the second side are asked for; those of the first lie in order.
-constexpr std::int32_t kContactsAhead = 12;
-
-void prefetchOther(const ContactArrays& arrays, std::int32_t slot) {
-  const char* owner = reinterpret_cast<const char*>(arrays.owners + arrays.placeOfSlot[slot]);
-  __builtin_prefetch(arrays.particles + slot);
-  __builtin_prefetch(owner);
-  __builtin_prefetch(owner + sizeof(OwnerRow) - 1);
+  packed.overlap = max(packed.overlap, g.xi / meeting.smallerRadius);
+  const auto counts = touches && packOf([](int lane) { return double(lane); }) < Pack(double(count));
+  packed.contacts = packed.contacts + select(counts, Pack(1.0), 0.0);
+  packed.pushing = packed.pushing + select(counts && result.normalForce != 0.0, Pack(1.0), 0.0);
 }
 
 template <class Normal, class Shear>
-void forcesOf(const ContactArrays& arrays, const MaterialPair& pair, bool ofBodies, const std::int32_t* which,
-              std::int32_t count, Extremes& extremes) {
-  NormalRequestOf<Pack> request = requestOf<Pack>(pair, ofBodies);
+void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes) {
+  NormalRequestOf<Pack> request = requestOf<Pack>(*run.pair, run.ofBodies);
   PackExtremes packed;
-  for (std::int32_t n = 0; n < count; n += kPackSize) {
-    for (std::int32_t ahead = n + kContactsAhead; ahead < std::min(count, n + kContactsAhead + kPackSize);
-         ++ahead) {
-      prefetchOther(arrays, arrays.contacts[which[ahead]].slot2);
-    }
-    forcesOfPack<Normal, Shear>(arrays, pair, request, which + n, std::min(kPackSize, count - n), packed,
-                                extremes);
+  for (std::size_t n = 0; n < run.which.size(); n += kPackSize) {
+    forcesOfPack<Normal, Shear>(arrays, run, request, run.which.subspan(n), packed);
   }
-  extremes.urgency = std::max<double>(extremes.urgency, hmax(packed.urgency));
-  extremes.overlap = std::max<double>(extremes.overlap, hmax(packed.overlap));
+  for (int lane = 0; lane < kPackSize; ++lane) {
+    extremes.urgency = std::max(extremes.urgency, packed.urgency[lane]);
+    extremes.overlap = std::max(extremes.overlap, packed.overlap[lane]);
+    extremes.contacts += static_cast<std::int32_t>(packed.contacts[lane]);
+    extremes.pushing += static_cast<std::int32_t>(packed.pushing[lane]);
+  }
 }
 
 std::int32_t findContacts(const ContactArrays& arrays, std::int32_t row, std::int32_t end, std::int32_t& n) {
   const Four plusOrMinus = {1.0, 1.0, 1.0, -1.0};
   const ParticleRow* particles = arrays.particles;
-  const std::int32_t *rowStart = arrays.rowStart, *partner = arrays.partner;
+  const OwnerRow* owners = arrays.owners;  // the forces will want them
+  const std::int32_t *rowStart = arrays.rowStart, *partner = arrays.partner,
+                     *placeOfSlot = arrays.placeOfSlot;
   Contact* contacts = arrays.contacts;
   std::int32_t* contactOfCandidate = arrays.contactOfCandidate;
   const std::int32_t particleCount = arrays.particleCount;
+  const bool slotsArePlaces = arrays.movesOnlySpheres;  // but of what stands still
   std::int32_t next = n;
   bool hasSurfaces = false;
   for (; row < end && !hasSurfaces; ++row) {
@@ -295,6 +285,7 @@ std::int32_t findContacts(const ContactArrays& arrays, std::int32_t row, std::in
       // No branch: half of the candidates touch, and no processor guesses which.
       const std::int32_t touches = q[0] + q[1] + q[2] < q[3];
       contacts[next] = {row, other, c};  // overwritten unless it counts
+      __builtin_prefetch(owners + (slotsArePlaces ? other : placeOfSlot[other]));
       contactOfCandidate[c] = next | (touches - 1);
       next += touches;
     }
@@ -308,6 +299,11 @@ std::int32_t findContacts(const ContactArrays& arrays, std::int32_t row, std::in
 Four crossOf(const Four& a, const Four& b) {
   return __builtin_shufflevector(a, a, 1, 2, 0, 3) * __builtin_shufflevector(b, b, 2, 0, 1, 3) -
          __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
+}
+
+/// What the wrench of a moving owner is about; the fourth number is finite.
+Four centerOf(const ContactArrays& arrays, std::int32_t slot, std::int32_t place) {
+  return loadFour(arrays.movesOnlySpheres ? &arrays.particles[slot].x : &arrays.balls[place].x);
 }
 
 /// What a row or patch bears. Fours: force and heat; torque.
@@ -325,7 +321,7 @@ struct WrenchSum {
 
 [[gnu::flatten]] void sumRows(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
   for (std::int32_t row = begin; row < end; ++row) {
-    WrenchSum sum{.center = loadFour(arrays.owners[arrays.placeOfSlot[row]].center.data())};
+    WrenchSum sum{.center = centerOf(arrays, row, arrays.placeOfSlot[row])};
     const ContactRange own = arrays.contactsOfRow[row];
     for (std::int32_t n = own.first; n < own.last; ++n) {
       const Four f = loadFour(arrays.forces[n].force.data());
@@ -369,7 +365,7 @@ struct TouchingEntries {
     while (last < end && arrays.incidenceStart[last + 1] - first <= TouchingEntries::kMost) ++last;
     touching.collect(arrays, first, std::min(arrays.incidenceStart[last], first + TouchingEntries::kMost));
     for (; patch < last; ++patch) {
-      WrenchSum sum{.center = loadFour(arrays.owners[arrays.placeOfPatch[patch]].center.data())};
+      WrenchSum sum{.center = centerOf(arrays, arrays.slotOfPatch[patch], arrays.placeOfPatch[patch])};
       const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
       for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
         sum.force += loadFour(arrays.rowWrenches[slot].force.data());

@@ -9,17 +9,15 @@
 
 namespace granular::detail {
 
-/// Where an owner is and how it moves. Rows lie in the order of places (Layout::placeOfOwner).
-struct alignas(32) OwnerRow {
-  Vector3 center = Vector3::Zero();  ///< m, world
-  double inverseMass = 0.0;          ///< 1/kg; 0 unless dynamic
-  Vector3 velocity = Vector3::Zero();
-  double reach = 0.0;  ///< farthest particle surface from the centre, m
-  Vector3 angularVelocity = Vector3::Zero();
+/// How an owner moves. Rows lie in the order of places (Layout::placeOfOwner).
+struct alignas(64) OwnerRow {
+  Vector3 velocity = Vector3::Zero();         ///< of the centre of mass, m/s, world
+  double inverseMass = 0.0;                   ///< 1/kg; 0 unless dynamic
+  Vector3 angularVelocity = Vector3::Zero();  ///< rad/s, world
   std::int32_t material = 0;
   std::int32_t isBody = 0;
 };
-static_assert(sizeof(OwnerRow) == 96, "one and a half cache lines, read once a side of a contact");
+static_assert(sizeof(OwnerRow) == 64, "one cache line, read once a side of a contact");
 
 /// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
 struct Contact {
@@ -35,6 +33,12 @@ struct alignas(64) ContactForce {
   double overlap;      ///< m; 0: the particles do not touch after all
 };
 static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
+
+/// What a contact on an exact surface is before its force is known, in the same row.
+inline ContactForce surfaceMeeting(const Vector3& normal, double slope, const Vector3& point,
+                                   double overlap) {
+  return {normal, slope, point, overlap};
+}
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
 struct alignas(64) PatchWrench {

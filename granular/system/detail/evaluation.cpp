@@ -2,6 +2,8 @@
 // The stages that turn states into positions and forces into rates.
 #include "granular/system/detail/evaluation.h"
 
+#include <variant>
+
 #include "granular/system/detail/stage_tools.h"
 
 namespace granular::detail {
@@ -13,18 +15,6 @@ constexpr std::int32_t kOwnersPerPiece = 256;
 // Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
 constexpr std::size_t kKindsInTable = 64;
 
-Eigen::Map<const Vector3> vectorAt(const double* y, int place) {
-  return Eigen::Map<const Vector3>(y + place);
-}
-Eigen::Map<Vector3> vectorAt(double* y, int place) {
-  return Eigen::Map<Vector3>(y + place);
-}
-
-Quaternion orientationAt(const double* y) {
-  const double* q = y + state::kOrientation;
-  return Quaternion(q[0], q[1], q[2], q[3]).normalized();
-}
-
 }  // namespace
 
 void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
@@ -34,6 +24,11 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   layRows();
   rotations_.assign(layout_.owners.size() - layout_.dynamicGrains, Matrix3::Identity());
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
+  surfaceInverseRadius_.clear();
+  for (const std::int32_t o : layout_.ownerOfSurface) {
+    const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].exact);
+    surfaceInverseRadius_.push_back(ball ? 1.0 / ball->radius : 0.0);
+  }
   memory_.clear();
   patchWrenches_.assign(layout_.patchCount, PatchWrench{});
   rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
@@ -49,13 +44,14 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
 /// All of the rows that time does not change.
 void Evaluation::layRows() {
   owners_.assign(layout_.owners.size(), OwnerRow{});
+  balls_.assign(layout_.owners.size(), ParticleRow{});
   particles_.assign(layout_.particleCount, ParticleRow{});
   heatOfOwner_.assign(layout_.owners.size(), 0.0);
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
     const Owner& owner = layout_.owners[o];
     OwnerRow& row = rowOf(o);
     row.inverseMass = owner.inverseMass;
-    row.reach = owner.reach;
+    balls_[layout_.placeOfOwner[o]].radius = owner.reach;
     row.material = owner.material;
     row.isBody = owner.kind == OwnerKind::Body;
     for (std::size_t k = 0; k < owner.particles.size(); ++k) {
@@ -100,7 +96,10 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .dynamicParticles = layout_.dynamicParticles,
           .particles = particles_.data(),
           .owners = owners_.data(),
+          .balls = balls_.data(),
+          .movesOnlySpheres = layout_.movesOnlySpheres,
           .placeOfSlot = layout_.placeOfSlot.data(),
+          .surfaceInverseRadius = surfaceInverseRadius_.data(),
           .rowStart = list_.rowStart().data(),
           .partner = list_.partner().data(),
           .contacts = contacts_.data(),
@@ -123,7 +122,8 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
   const Owner& owner = layout_.owners[o];
-  rowOf(o).center = position;
+  ParticleRow& ball = balls_[layout_.placeOfOwner[o]];
+  ball.x = position.x(), ball.y = position.y(), ball.z = position.z();
   const Matrix3 rotation = owner.scale * orientation.toRotationMatrix();
   if (owner.kind == OwnerKind::Body) rotations_[o - layout_.dynamicGrains] = rotation;
   ParticleRow* row = particles_.data() + owner.firstSlot;
@@ -145,21 +145,20 @@ double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<d
     row.velocity = now.velocity;
     row.angularVelocity = now.angularVelocity;
   } else {
-    const double* own = y.data() + place * std::size_t{state::kSize};
-    row.velocity = vectorAt(own, state::kVelocity);
-    if (const double inverseInertia = layout_.sphereInverseInertia[place]; inverseInertia > 0.0) {
-      row.center = vectorAt(own, state::kPosition);
-      row.angularVelocity = inverseInertia * vectorAt(own, state::kAngularMomentum);
+    const auto own = layout_.numbersAt(place, y.data());
+    row.velocity = own.velocity();
+    if (layout_.isSphere[place]) {
+      row.angularVelocity = layout_.isotropicInverseInertia[place] * own.angularMomentum();
       ParticleRow& particle = particles_[layout_.slotOfPlace[place]];
-      particle.x = row.center.x(), particle.y = row.center.y(), particle.z = row.center.z();
+      particle.x = own.pose[0], particle.y = own.pose[1], particle.z = own.pose[2];
+      if (!layout_.movesOnlySpheres) balls_[place] = particle;
     } else {
-      const Quaternion orientation = orientationAt(own);
-      placeOwner(o, vectorAt(own, state::kPosition), orientation);
-      row.angularVelocity =
-          angularVelocityOf(layout_.owners[o], orientation, vectorAt(own, state::kAngularMomentum));
+      const Quaternion orientation = own.orientation().normalized();
+      placeOwner(o, own.position(), orientation);
+      row.angularVelocity = angularVelocityOf(layout_.owners[o], orientation, own.angularMomentum());
     }
   }
-  return fastestPoint(row);
+  return fastestPoint(place);
 }
 
 void Evaluation::placeParticles(double t, const std::vector<double>& y) {
@@ -199,28 +198,24 @@ void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, cons
                             bool poseRates, std::vector<double>& rate) const {
   const std::int32_t o = layout_.ownerOfPlace[place];
   const OwnerRow& row = owners_[place];
-  double* out = rate.data() + place * std::size_t{state::kSize};
+  const auto out = layout_.numbersAt(place, rate.data());
   if (poseRates) {
-    vectorAt(out, state::kPosition) = row.velocity;
-    const double* q = y.data() + place * std::size_t{state::kSize} + state::kOrientation;
-    const Quaternion spin =
-        Quaternion(0.0, row.angularVelocity.x(), row.angularVelocity.y(), row.angularVelocity.z()) *
-        Quaternion(q[0], q[1], q[2], q[3]);
-    double* qDot = out + state::kOrientation;
-    qDot[0] = 0.5 * spin.w(), qDot[1] = 0.5 * spin.x(), qDot[2] = 0.5 * spin.y(), qDot[3] = 0.5 * spin.z();
+    out.position() = row.velocity;
+    const Vector3 half = 0.5 * row.angularVelocity;
+    out.setOrientation(Quaternion(0.0, half.x(), half.y(), half.z()) *
+                       layout_.numbersAt(place, y.data()).orientation());
   }
   const std::int32_t body = o - layout_.dynamicGrains;  // negative for grains
   if (body < 0) {
-    vectorAt(out, state::kVelocity) = row.inverseMass * contact.force + surroundings_.gravity;
-    vectorAt(out, state::kAngularMomentum) = contact.torque;
+    out.velocity() = row.inverseMass * contact.force + surroundings_.gravity;
+    out.angularMomentum() = contact.torque;
     return;
   }
   const Owner& owner = layout_.owners[o];
   const Wrench& load = surroundings_.bodyLoad[body];
   const Vector3 acceleration = owner.inverseMass * contact.force + surroundings_.bodyGravity[body];
-  vectorAt(out, state::kVelocity) =
-      owner.linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
-  vectorAt(out, state::kAngularMomentum) = owner.angularFactor.cwiseProduct(contact.torque) + load.torque;
+  out.velocity() = owner.linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
+  out.angularMomentum() = owner.angularFactor.cwiseProduct(contact.torque) + load.torque;
 }
 
 /// What contacts did to a moving body, and work: by its load, or by the body itself where the host moves it.
@@ -228,8 +223,8 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vecto
   const std::int32_t o = layout_.dynamicGrains + body;
   const OwnerRow& row = rowOf(o);
   double* to = rate.data() + tallyAt(body);
-  vectorAt(to, state::kImpulse) = contact.force;
-  vectorAt(to, state::kAngularImpulse) = contact.torque;
+  Eigen::Map<Vector3>(to + state::kImpulse) = contact.force;
+  Eigen::Map<Vector3>(to + state::kAngularImpulse) = contact.torque;
   if (o < layout_.dynamicCount()) {
     const Wrench& load = surroundings_.bodyLoad[body];
     to[state::kWork] = load.force.dot(row.velocity) + load.torque.dot(row.angularVelocity);

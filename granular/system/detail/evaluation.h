@@ -47,12 +47,6 @@ struct alignas(32) ListedRow {
   double x, y, z;        ///< m, world
   double marginSquared;  ///< m^2
 };
-
-/// The speed of no point of the owner's particles is larger, m/s.
-inline double fastestPoint(const OwnerRow& owner) {
-  return owner.velocity.norm() + owner.angularVelocity.norm() * owner.reach;
-}
-
 class Evaluation {
  public:
   Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
@@ -67,6 +61,7 @@ class Evaluation {
   Surroundings& surroundings() { return surroundings_; }
   const Surroundings& surroundings() const { return surroundings_; }
   const Executor& executor() const { return executor_; }
+  const ContactKernels& kernels() const { return *kernels_; }
 
   /// Without the memory of contacts, which comes last.
   std::size_t stateSize() const {
@@ -102,7 +97,10 @@ class Evaluation {
   double referenceContactTime() const;
 
   // Where things were at the last evaluation: also those that do not move.
-  const Vector3& center(std::int32_t owner) const { return rowOf(owner).center; }
+  Vector3 center(std::int32_t owner) const {
+    const ParticleRow& ball = ballAt(layout_.placeOfOwner[owner]);
+    return {ball.x, ball.y, ball.z};
+  }
   const Matrix3& rotation(std::int32_t body) const { return rotationOf(body); }
   std::span<const ParticleRow> particlesOf(const Owner& owner) const {
     return std::span(particles_).subspan(owner.firstSlot, owner.particles.size());
@@ -158,6 +156,16 @@ class Evaluation {
   const Matrix3& rotationOf(std::int32_t body) const { return rotations_[body - layout_.dynamicGrains]; }
   OwnerRow& rowOf(std::int32_t o) { return owners_[layout_.placeOfOwner[o]]; }
   const OwnerRow& rowOf(std::int32_t o) const { return owners_[layout_.placeOfOwner[o]]; }
+  /// Single spheres are their own ball; where nothing else moves they are in one place only.
+  const ParticleRow& ballAt(std::int32_t place) const {
+    const bool isSphere = layout_.movesOnlySpheres && place < layout_.dynamicCount();
+    return isSphere ? particles_[layout_.slotOfPlace[place]] : balls_[place];
+  }
+  /// How fast any point of the owner in this place may be, at most, m/s.
+  double fastestPoint(std::int32_t place) const {
+    const OwnerRow& row = owners_[place];
+    return row.velocity.norm() + row.angularVelocity.norm() * ballAt(place).radius;
+  }
   PairLaw pairLaw(const Contact& contact) const;
   PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
   void noteLaws();
@@ -174,27 +182,20 @@ class Evaluation {
   bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
 
   template <class Normal, class Shear>
-  void forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest& request, const Moment& at,
-               const double* y, double* rate, Extremes& extremes);
+  void forceOf(std::int32_t n, const Moment& at, const double* y, double* rate, Extremes& extremes);
   template <class Normal>
   NormalConstants normalConstants(const Contact& contact, NormalRequest& request) const;
-  template <class Normal>
-  PairLaw constantsOf(const Contact& contact, const MaterialPair& pair, NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
   struct PairRule {
     const MaterialPair* pair;
     bool ofBodies;
-    bool isPacked;  ///< between two particles, under laws that kernels know
     friend bool operator==(const PairRule&, const PairRule&) = default;
   };
   PairRule ruleOf(const Contact& contact) const;
-  PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies, bool ofParticles) const;
+  PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies) const;
   std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
-  void forcesOfRun(std::span<const std::int32_t> which, const PairRule& rule, const ContactArrays& arrays,
-                   const double* y, double* rate, Extremes& extremes);
-  void forcesOneByOne(std::span<const std::int32_t> which, const PairRule& rule, const Moment& at,
-                      const double* y, double* rate, Extremes& extremes);
-  template <class Normal, class Shear>
+  void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, const double* y, double* rate,
+                   Extremes& extremes);
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
   RememberedContact endsOf(std::int32_t rank1, std::int32_t rank2) const;
   RememberedContact remembered(std::int32_t m, const std::vector<double>& y) const;
@@ -207,11 +208,14 @@ class Evaluation {
   std::vector<MaterialPair> materialPairs_;
   std::vector<MaterialDef> materials_;
 
-  std::vector<OwnerRow> owners_;    // by place
+  std::vector<OwnerRow> owners_;  // by place
+  std::vector<ParticleRow>
+      balls_;  // by place: about the centre, holds the owner; not of what ballAt looks up
   std::vector<Matrix3> rotations_;  // of bodies; body owner o is at o - layout_.dynamicGrains
   std::vector<ParticleRow> particles_;
   std::vector<ListedRow> listedParticles_;  // of those that move
   std::vector<SurfaceRow> surfaces_, listedSurfaces_;
+  std::vector<double> surfaceInverseRadius_;      // 1/m; 0: no sphere, counts as flat
   std::vector<double> margins_, surfaceMargins_;  // as in SearchInput
   double listedExtent_ = 0.0;                     // of all dynamic particles when the list was made, m
   CandidateList list_;

@@ -30,7 +30,7 @@ void Evaluation::placeSurface(std::int32_t s) {
   const Owner& owner = layout_.owners[o];
   surfaces_[s].shape = owner.exact;
   surfaces_[s].boundingRadius = boundingRadius(*owner.exact);
-  surfaces_[s].point = rowOf(o).center + rotationOf(o) * owner.exactPose.position;
+  surfaces_[s].point = center(o) + rotationOf(o) * owner.exactPose.position;
   surfaces_[s].rotation = rotationOf(o) * owner.exactPose.orientation.toRotationMatrix();
 }
 
@@ -75,7 +75,7 @@ void Evaluation::chooseMargins() {
   const std::int32_t moving = layout_.movingCount();
   double sum = 0.0;
   for (std::int32_t place = 0; place < moving; ++place) {
-    if (const double speed = fastestPoint(owners_[place]); std::isfinite(speed)) sum += speed;
+    if (const double speed = fastestPoint(place); std::isfinite(speed)) sum += speed;
   }
   const double mean = margin_ * layout_.smallestRadius, atRest = kShareAtRest * mean;
   const double largest = kLargestMargin * layout_.smallestRadius;
@@ -84,13 +84,13 @@ void Evaluation::chooseMargins() {
   margins_.resize(layout_.movingParticles);
   for (std::int32_t place = 0; place < moving; ++place) {
     std::fill(margins_.begin() + layout_.slotOfPlace[place],
-              margins_.begin() + layout_.slotOfPlace[place + 1], marginAt(fastestPoint(owners_[place])));
+              margins_.begin() + layout_.slotOfPlace[place + 1], marginAt(fastestPoint(place)));
   }
   surfaceMargins_.assign(layout_.surfaceCount(), 0.0);
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
     const std::int32_t o = layout_.ownerOfSurface[s];
     if (o >= moving) continue;
-    const double reach = (surfaces_[s].point - rowOf(o).center).norm() + surfaces_[s].boundingRadius;
+    const double reach = (surfaces_[s].point - center(o)).norm() + surfaces_[s].boundingRadius;
     const double turning = std::isfinite(reach) ? rowOf(o).angularVelocity.norm() * reach : 0.0;
     surfaceMargins_[s] = marginAt(rowOf(o).velocity.norm() + turning);
   }
@@ -118,7 +118,7 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
   std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(dynamic);
   for (std::int32_t o = 0; o < dynamic; ++o) {
     std::uint64_t key = 0;
-    const double* center = y.data() + layout_.stateOf(o) + state::kPosition;
+    const auto center = layout_.numbersOf(o, y.data()).position();
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::clamp(std::floor(center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
       key |= spread(static_cast<std::uint64_t>(cell)) << axis;
@@ -132,6 +132,7 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
   const std::vector<ParticleRow> before = particles_;
   const std::vector<std::int32_t> slotBefore = layout_.slotOfRank, placeBefore = layout_.placeOfOwner;
   const std::vector<OwnerRow> ownersBefore = owners_;
+  const std::vector<ParticleRow> ballsBefore = balls_;
   layout_.assignSlots(std::move(order));
   for (std::int32_t rank = 0; rank < layout_.particleCount; ++rank) {
     particles_[layout_.slotOfRank[rank]] = before[slotBefore[rank]];
@@ -140,6 +141,7 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
   for (std::int32_t place = 0; place < dynamic; ++place) {
     from[place] = placeBefore[layout_.ownerOfPlace[place]];
     owners_[place] = ownersBefore[from[place]];
+    balls_[place] = ballsBefore[from[place]];
   }
   list_.reset();
   return from;

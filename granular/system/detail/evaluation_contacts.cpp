@@ -33,7 +33,8 @@ void Evaluation::findContacts(std::int32_t piece, const ContactArrays& arrays) {
   contactsInPiece_[piece] = n - list_.rowStart()[begin];
 }
 
-/// Contacts of slot i on exact surfaces, numbered from n on. Returns the number behind them.
+/// Contacts of slot i on exact surfaces, numbered from n on: where they meet is left in the rows of their
+/// forces. Returns the number behind them.
 std::int32_t Evaluation::findSurfaceContacts(std::int32_t i, std::int32_t n) {
   const std::int32_t* partner = list_.partner().data();
   const std::int32_t end = list_.rowStart()[i + 1];
@@ -43,9 +44,15 @@ std::int32_t Evaluation::findSurfaceContacts(std::int32_t i, std::int32_t n) {
     const ParticleRow& a = particles_[i];
     const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
     const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
-    const bool touches = surface.distance({a.x, a.y, a.z}).distance < reach;
+    const Vector3 center(a.x, a.y, a.z);
+    const SurfaceDistance near = surface.distance(center);
+    const bool touches = near.distance < reach;
     contactOfCandidate_[c] = touches ? n : -1;
-    if (touches) contacts_[n++] = {i, partner[c], c};
+    if (!touches) continue;
+    // Times the slope: the force is that of an energy, also where the distance is interpolated.
+    forces_[n] = surfaceMeeting(-near.normal, near.slope, center - near.distance * near.normal,
+                                a.radius - near.distance);
+    contacts_[n++] = {i, partner[c], c};
   }
   contactsOfRow_[i].last = n;
   return n;
@@ -84,7 +91,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   if (box) {  // a box is pressed on one of its faces, as far as that goes
     face = faceOf(*box, surface.rotation.transpose() * (center - surface.point));
     const Matrix3 toPieces = rotation.transpose() * surface.rotation;
-    face.center = rotation.transpose() * (surface.point + surface.rotation * face.center - rowOf(o).center);
+    face.center = rotation.transpose() * (surface.point + surface.rotation * face.center - this->center(o));
     face.normal = toPieces * face.normal;
     for (Vector3& along : face.along) along = toPieces * along;
     distance = face.distance(owner.particles[local].position);
@@ -97,13 +104,13 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   g.share = weight * patch.area;
   g.shareGrowth = patch.areaSlope / patch.area;
   g.meanSquareOverlap = patch.meanSquareDepth;
-  const Vector3 point = rowOf(o).center + rotation * patch.center;
+  const Vector3 point = this->center(o) + rotation * patch.center;
   g.point = point - (g.N.dot(point - center) - distance) * g.N;
   return true;
 }
 
-/// False where the particles do not touch after all: by rounding, or as one overhangs and does not reach.
-template <class Normal, class Shear>
+/// Of a contact under a law by area. False where nothing presses after all: by rounding, or as one overhangs
+/// and does not reach.
 bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) const {
   const ParticleRow& a = particles_[contact.slot1];
   const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
@@ -134,80 +141,53 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
     g.xi = a.radius - near.distance;
     g.N = -near.normal;
     g.point = x1 + near.distance * g.N;
-    g.share = near.slope;  // the force is the slope of an energy, also where the distance is interpolated
   }
-  if constexpr (Normal::kByArea) {
-    if (!foundationGeometry(contact, x1, g)) return false;
-  } else if (!(g.xi > 0.0)) {
-    return false;
+  if (!foundationGeometry(contact, x1, g)) return false;
+  const Vector3 center1 = center(layout_.ownerOfSlot[contact.slot1]);
+  const Vector3 center2 = center(layout_.ownerOfSlot[contact.slot2]);
+  g.V = owner1.velocity + owner1.angularVelocity.cross(g.point - center1) - owner2.velocity -
+        owner2.angularVelocity.cross(g.point - center2);  // eq. 3
+  // The contact's frame turns with its normal, and about it as the two owners do on average.
+  const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
+  Vector3 swing = isRound ? Vector3(Vector3::Zero()) : owner2.angularVelocity;
+  if (distance > 0.0) {
+    const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - center2) - owner1.velocity -
+                            owner1.angularVelocity.cross(x1 - center1);
+    swing = g.N.cross(centers) / distance;
   }
-  g.V = owner1.velocity + owner1.angularVelocity.cross(g.point - owner1.center) - owner2.velocity -
-        owner2.angularVelocity.cross(g.point - owner2.center);  // eq. 3
-  if constexpr (Shear::kHasMemory) {
-    // The contact's frame turns with its normal, and about it as the two owners do on average.
-    const double twist = 0.5 * (owner1.angularVelocity + owner2.angularVelocity).dot(g.N);
-    Vector3 swing = isRound ? Vector3(Vector3::Zero()) : owner2.angularVelocity;
-    if (distance > 0.0) {
-      const Vector3 centers = owner2.velocity + owner2.angularVelocity.cross(x2 - owner2.center) -
-                              owner1.velocity - owner1.angularVelocity.cross(x1 - owner1.center);
-      swing = g.N.cross(centers) / distance;
-    }
-    g.turning = swing - swing.dot(g.N) * g.N + twist * g.N;
-  }
+  g.turning = swing - swing.dot(g.N) * g.N + twist * g.N;
   return true;
 }
 
-/// The law's constants for one contact. Those of laws by area are looked up; of others too many differ, one
-/// for every radius. request: all but sizes and masses, which are put in.
+/// The constants of the normal law for one contact.
 template <class Normal>
-[[gnu::always_inline]] inline NormalConstants Evaluation::normalConstants(const Contact& contact,
-                                                                          NormalRequest& request) const {
+NormalConstants Evaluation::normalConstants(const Contact& contact, NormalRequest& request) const {
   if constexpr (Normal::kByArea) {
     return pairLaw(contact).normal;
   } else {
     const bool onSurface = contact.slot2 >= layout_.particleCount;
-    const double radius1 = particles_[contact.slot1].radius;
-    double inverseRadius2 = 0.0;
-    if (!onSurface) {
-      inverseRadius2 = 1.0 / particles_[contact.slot2].radius;
-    } else if (const auto* ball =
-                   std::get_if<ExactSphere>(surfaces_[contact.slot2 - layout_.particleCount].shape)) {
-      inverseRadius2 = 1.0 / ball->radius;
-    }
+    const double inverseRadius2 = onSurface ? surfaceInverseRadius_[contact.slot2 - layout_.particleCount]
+                                            : 1.0 / particles_[contact.slot2].radius;
     const double inverseMass = owners_[layout_.placeOfSlot[contact.slot1]].inverseMass +
                                owners_[layout_.placeOfSlot[contact.slot2]].inverseMass;
     request.contact.mass = inverseMass > 0.0 ? 1.0 / inverseMass : 1.0;
-    request.contact.radius = 1.0 / (1.0 / radius1 + inverseRadius2);
+    request.contact.radius = 1.0 / (1.0 / particles_[contact.slot1].radius + inverseRadius2);
     return Normal::template constants<double>(request);
   }
 }
 
-/// The same of both laws.
-template <class Normal>
-PairLaw Evaluation::constantsOf(const Contact& contact, const MaterialPair& pair,
-                                NormalRequest& request) const {
-  if constexpr (Normal::kByArea) {
-    return pairLaw(contact);
-  } else {
-    PairLaw law;
-    law.normal = normalConstants<Normal>(contact, request);
-    law.shear = shearConstants<Normal, double>(pair, law.normal, request.contact.mass, 1.0);
-    return law;
-  }
-}
-
-/// The force of one contact. request: all but sizes and masses.
+/// The force of one contact under a law by area.
 template <class Normal, class Shear>
-void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest& request, const Moment& at,
-                         const double* y, double* rate, Extremes& extremes) {
+void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, double* rate,
+                         Extremes& extremes) {
   const Contact& contact = contacts_[n];
   ContactGeometry g;
-  if (!contactGeometry<Normal, Shear>(contact, g)) {
+  if (!contactGeometry(contact, g)) {
     forces_[n] = {Vector3::Zero(), 0.0, g.point, 0.0};
     if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
     return;
   }
-  const PairLaw law = constantsOf<Normal>(contact, pair, request);
+  const PairLaw law = pairLaw(contact);
   const double xiDot = g.V.dot(g.N);
   Vector3 D = Vector3::Zero();
   ContactMemory memory;
@@ -243,26 +223,22 @@ void Evaluation::forceOf(std::int32_t n, const MaterialPair& pair, NormalRequest
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
 
-/// These contacts, all under this rule.
-void Evaluation::forcesOneByOne(std::span<const std::int32_t> which, const PairRule& rule, const Moment& at,
-                                const double* y, double* rate, Extremes& extremes) {
-  const MaterialPair& pair = *rule.pair;
-  NormalRequest request = requestOf<double>(pair, rule.ofBodies);
-  withNormalLaw(request.def.law, [&]<class Normal>(Normal) {
-    withShearLaw(pair.def.shear.law, [&]<class Shear>(Shear) {
-      for (const std::int32_t n : which) forceOf<Normal, Shear>(n, pair, request, at, y, rate, extremes);
-    });
+/// These contacts, all under this rule: by a kernel where there is one for the laws.
+void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays, const double* y,
+                             double* rate, Extremes& extremes) {
+  if (run.which.empty()) return;
+  const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
+  const ShearLaw shear = run.pair->def.shear.law;
+  if (const auto kernel = kernels_->forces[static_cast<int>(normal)][static_cast<int>(shear)]) {
+    return kernel(arrays, run, extremes);
+  }
+  withNormalLaw(normal, [&]<class Normal>(Normal) {
+    if constexpr (Normal::kByArea) {
+      withShearLaw(shear, [&]<class Shear>(Shear) {
+        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays.at, y, rate, extremes);
+      });
+    }
   });
-}
-
-/// These contacts, all under this rule: between particles by a kernel where there is one for the laws.
-void Evaluation::forcesOfRun(std::span<const std::int32_t> which, const PairRule& rule,
-                             const ContactArrays& arrays, const double* y, double* rate, Extremes& extremes) {
-  if (which.empty()) return;
-  if (!rule.isPacked) return forcesOneByOne(which, rule, arrays.at, y, rate, extremes);
-  const auto kernel = kernels_->forces[static_cast<int>(rule.pair->normalOf(rule.ofBodies).law)]
-                                      [static_cast<int>(rule.pair->def.shear.law)];
-  kernel(arrays, *rule.pair, rule.ofBodies, which.data(), static_cast<std::int32_t>(which.size()), extremes);
 }
 
 /// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
@@ -277,7 +253,11 @@ void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& a
   extremes = {};
   std::array<Run, 2> runs;  // of two particles; on surfaces
   const auto finish = [&](Run& run) {
-    forcesOfRun(std::span(run.which).first(run.count), run.rule, arrays, y, rate, extremes);
+    forcesOfRun({.pair = run.rule.pair,
+                 .ofBodies = run.rule.ofBodies,
+                 .onSurfaces = &run == &runs.back(),
+                 .which = std::span(run.which).first(run.count)},
+                arrays, y, rate, extremes);
     run.count = 0;
   };
   const ContactRange range = contactsOfPiece(piece);
@@ -337,7 +317,7 @@ double Evaluation::elasticEnergy(const Contact& contact, const ContactForce& for
     const NormalConstants constants = normalConstants<Normal>(contact, request);
     if constexpr (!Normal::kByArea) return Normal::elasticEnergy(constants, force.overlap);
     ContactGeometry g;
-    if (!contactGeometry<Normal, RegularisedCoulomb>(contact, g)) return 0.0;
+    if (!contactGeometry(contact, g)) return 0.0;
     return g.share * Normal::elasticEnergy(constants, std::sqrt(g.meanSquareOverlap));
   });
 }

@@ -50,21 +50,18 @@ PairLaw Evaluation::pairLaw(const Contact& contact) const {
   return lawsByKind_ ? pairLaws_[kind1 * layout_.kinds.size() + kind2] : makeLaw(kind1, kind2);
 }
 
-Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies,
-                                             bool ofParticles) const {
-  const MaterialPair& pair = materialPairs_[material1 * materials_.size() + material2];
-  const bool isKnown = kernels_->forces[static_cast<int>(pair.normalOf(ofBodies).law)][0] != nullptr;
-  return {&pair, ofBodies, isKnown && ofParticles};
+Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_t material2,
+                                             bool ofBodies) const {
+  return {&materialPairs_[material1 * materials_.size() + material2], ofBodies};
 }
 
 Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
-  const bool ofParticles = contact.slot2 < layout_.particleCount;
   const std::int32_t first = layout_.kinds.front().material;
-  if (isUniform_) return ruleBetween(first, first, false, ofParticles);
+  if (isUniform_) return ruleBetween(first, first, false);
   const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
   const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
   const bool ofBodies = owner1.isBody != 0 && owner2.isBody != 0;
-  return ruleBetween(owner1.material, owner2.material, ofBodies, ofParticles);
+  return ruleBetween(owner1.material, owner2.material, ofBodies);
 }
 
 double Evaluation::referenceContactTime() const {

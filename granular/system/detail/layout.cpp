@@ -158,13 +158,18 @@ void Layout::assignSlots(std::vector<std::int32_t> order) {
   slotOfPatch.clear();
   slotOfPlace.clear();
   patchOfPlace.clear();
-  sphereInverseInertia.clear();
+  isotropicInverseInertia.clear();
+  isSphere.clear();
+  movesOnlySpheres = movingBodies() == 0;
   std::int32_t slot = 0;
   for (std::int32_t place = 0; place < static_cast<std::int32_t>(owners.size()); ++place) {
     const std::int32_t o = ownerOfPlace[place];
     Owner& owner = owners[o];
     placeOfOwner[o] = place;
-    sphereInverseInertia.push_back(owner.isSphere && owner.isotropic ? owner.inverseInertia.x() : 0.0);
+    const bool turnsFreely = owner.isotropic && !owner.isLocked;
+    isotropicInverseInertia.push_back(turnsFreely ? owner.inverseInertia.x() : 0.0);
+    isSphere.push_back(owner.isSphere && turnsFreely);
+    if (place < dynamicCount()) movesOnlySpheres &= owner.isSphere && turnsFreely;
     slotOfPlace.push_back(slot);
     patchOfPlace.push_back(static_cast<std::int32_t>(placeOfPatch.size()));
     owner.firstSlot = slot;

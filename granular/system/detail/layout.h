@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -23,19 +24,31 @@
 
 namespace granular::detail {
 
-/// Where one owner's numbers are in the integrator's state vector, in which dynamic owners lie by place.
+/// The integrator's state vector: the poses of dynamic owners by place, then their momenta, which steppers
+/// read and write more often.
 namespace state {
-inline constexpr int kPosition = 0;          ///< 3, m
-inline constexpr int kOrientation = 3;       ///< 4, quaternion w x y z
-inline constexpr int kVelocity = 7;          ///< 3, m/s
-inline constexpr int kAngularMomentum = 10;  ///< 3, kg m^2/s, world
-inline constexpr int kSize = 13;
+inline constexpr int kPoseSize = 7, kMomentaSize = 6, kSize = kPoseSize + kMomentaSize;
 // After the owners: for each moving body what contacts did to it, and work; then the heat.
 inline constexpr int kImpulse = 0;         ///< 3, N s
 inline constexpr int kAngularImpulse = 3;  ///< 3, N m s
 inline constexpr int kWork = 6;            ///< by the load on a dynamic body; by the body where kinematic, J
 inline constexpr int kTallySize = 7;
 }  // namespace state
+
+/// One owner's numbers in a state, or in the rate of one.
+template <class Number>  // double, or const double
+struct OwnerNumbers {
+  using Map = Eigen::Map<std::conditional_t<std::is_const_v<Number>, const Vector3, Vector3>>;
+  Number *pose, *momenta;
+
+  Map position() const { return Map(pose); }                ///< m
+  Map velocity() const { return Map(momenta); }             ///< m/s
+  Map angularMomentum() const { return Map(momenta + 3); }  ///< kg m^2/s, world
+  Quaternion orientation() const { return {pose[3], pose[4], pose[5], pose[6]}; }
+  void setOrientation(const Quaternion& q) const {
+    pose[3] = q.w(), pose[4] = q.x(), pose[5] = q.y(), pose[6] = q.z();
+  }
+};
 
 struct Owner {
   OwnerKind kind = OwnerKind::Grain;
@@ -122,12 +135,23 @@ struct Layout {
   // Place: where an owner's row lies. Those of dynamic owners lie as their slots do, others by number.
   std::vector<std::int32_t> ownerOfPlace, placeOfOwner;
   std::vector<std::int32_t> slotOfPlace, patchOfPlace;  ///< the first ones; one entry more than owners
-  /// Of a grain that is one particle about its centre, 1/(kg m^2); 0 for what is no such grain. By place: the
-  /// loops over single spheres read this instead of an Owner.
-  std::vector<double> sphereInverseInertia;
-  /// Where the numbers of a dynamic owner begin in the state vector.
-  std::size_t stateOf(std::int32_t owner) const {
-    return static_cast<std::size_t>(placeOfOwner[owner]) * state::kSize;
+  /// Whether all that moves are grains of one particle about the centre: owner and particle are one then.
+  bool movesOnlySpheres = false;
+  // By place: the loops over simple owners read these instead of an Owner.
+  std::vector<double> isotropicInverseInertia;  ///< 1/(kg m^2); 0: not the same about all axes
+  std::vector<std::uint8_t> isSphere;           ///< a grain of one particle about its centre
+  /// Where momenta begin in the state vector; poses come before.
+  std::size_t firstMomentum() const { return dynamicCount() * std::size_t{state::kPoseSize}; }
+  /// The numbers of the dynamic owner in this place.
+  OwnerNumbers<const double> numbersAt(std::int64_t place, const double* y) const {
+    return {y + place * state::kPoseSize, y + firstMomentum() + place * state::kMomentaSize};
+  }
+  OwnerNumbers<double> numbersAt(std::int64_t place, double* y) const {
+    return {y + place * state::kPoseSize, y + firstMomentum() + place * state::kMomentaSize};
+  }
+  template <class Number>
+  OwnerNumbers<Number> numbersOf(std::int32_t owner, Number* y) const {
+    return numbersAt(placeOfOwner[owner], y);
   }
 
   std::vector<ParticleKind> kinds;

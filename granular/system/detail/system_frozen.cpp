@@ -115,8 +115,8 @@ void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
     if (!quiet[o]) continue;
     const detail::Owner& owner = layout.owners[o];
-    double* own = y.data() + layout.stateOf(o);
-    Eigen::Map<Vector3> velocity(own + state::kVelocity), angularMomentum(own + state::kAngularMomentum);
+    const auto own = layout.numbersOf(o, y.data());
+    auto velocity = own.velocity(), angularMomentum = own.angularMomentum();
     const Vector3 momentum = velocity / owner.inverseMass;
     heat += 0.5 * momentum.dot(velocity) + 0.5 * readOwner(o).angularVelocity.dot(angularMomentum);
     heldImpulse += momentum;

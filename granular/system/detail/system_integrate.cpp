@@ -77,11 +77,11 @@ double GranularSystem::Impl::eventBound() const {
   return std::max(integrator.eventFraction * contactTimeOfUrgency(seen.urgency), integrator.smallestSubStep);
 }
 
-/// Whether all that the trial arrived at is finite.
+/// Whether all that the trial arrived at is finite: the momenta, which see first what poses will.
 bool GranularSystem::Impl::isResultFinite() {
-  const std::int64_t numbers = evaluation.layout().dynamicCount() * std::int64_t{state::kSize};
-  constexpr std::int64_t kPerPiece = kOwnersPerPiece * state::kSize;
-  const double* result = stepper->result().data();
+  const std::int64_t numbers = evaluation.layout().dynamicCount() * std::int64_t{state::kMomentaSize};
+  constexpr std::int64_t kPerPiece = kOwnersPerPiece * state::kMomentaSize;
+  const double* result = stepper->result().data() + evaluation.layout().firstMomentum();
   errorOfPiece.assign(Executor::pieceCount(numbers, kPerPiece), {});
   evaluation.executor().forRanges(numbers, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
     // 0 times what is not finite is a NaN. Several sums, which need not wait for one another.
@@ -109,12 +109,11 @@ double GranularSystem::Impl::scaledError() {
         for (std::int64_t place = begin; place < end; ++place) {
           const std::int32_t o = layout.ownerOfPlace[place];
           const detail::Owner& owner = layout.owners[o];
-          const double* own = numbers.data() + place * state::kSize;
-          const auto size3 = [&](int at) { return Eigen::Map<const Vector3>(own + at).norm(); };
-          const double turn = 2.0 * Eigen::Map<const Eigen::Vector4d>(own + state::kOrientation).norm();
-          const double spin = size3(state::kAngularMomentum) * owner.inverseInertia.maxCoeff();
-          const double speed = size3(state::kVelocity) + spin * owner.reach;
-          wayOfOwner[o] = size3(state::kPosition) + turn * owner.reach;
+          const auto error = layout.numbersAt(place, numbers.data());
+          const double turn = 2.0 * error.orientation().norm();
+          const double spin = error.angularMomentum().norm() * owner.inverseInertia.maxCoeff();
+          const double speed = error.velocity().norm() + spin * owner.reach;
+          wayOfOwner[o] = error.position().norm() + turn * owner.reach;
           raise(wayOfOwner[o], contactTimeAtReference * speed);
         }
       });

@@ -179,30 +179,24 @@ void GranularSystem::Impl::loadSurroundings() {
 }
 
 void GranularSystem::Impl::writeOwner(std::int32_t o, const RigidMotion& motion) {
-  double* own = y.data() + evaluation.layout().stateOf(o);
+  const auto own = evaluation.layout().numbersOf(o, y.data());
   const detail::Owner& owner = evaluation.layout().owners[o];
   const Quaternion& q = motion.pose.orientation;
-  Eigen::Map<Vector3>(own + state::kPosition) = motion.pose.position;
-  own[state::kOrientation] = q.w();
-  own[state::kOrientation + 1] = q.x();
-  own[state::kOrientation + 2] = q.y();
-  own[state::kOrientation + 3] = q.z();
-  Eigen::Map<Vector3>(own + state::kVelocity) = motion.velocity;
-  const Vector3 momentum = q * owner.inertia.cwiseProduct(q.conjugate() * motion.angularVelocity);
-  Eigen::Map<Vector3>(own + state::kAngularMomentum) = momentum;
+  own.position() = motion.pose.position;
+  own.setOrientation(q);
+  own.velocity() = motion.velocity;
+  own.angularMomentum() = q * owner.inertia.cwiseProduct(q.conjugate() * motion.angularVelocity);
 }
 
 RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
-  const double* own = y.data() + evaluation.layout().stateOf(o);
+  const auto own = evaluation.layout().numbersOf(o, y.data());
   const detail::Owner& owner = evaluation.layout().owners[o];
-  const double* q = own + state::kOrientation;
   RigidMotion motion;
-  motion.pose = {Eigen::Map<const Vector3>(own + state::kPosition), Quaternion(q[0], q[1], q[2], q[3])};
-  motion.velocity = Eigen::Map<const Vector3>(own + state::kVelocity);
-  const Vector3 angularMomentum = Eigen::Map<const Vector3>(own + state::kAngularMomentum);
+  motion.pose = {own.position(), own.orientation()};
+  motion.velocity = own.velocity();
   motion.angularVelocity =
       motion.pose.orientation *
-      owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * angularMomentum);
+      owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * own.angularMomentum());
   if (owner.isLocked) motion.angularVelocity = owner.freeAxes.cwiseProduct(motion.angularVelocity);
   return motion;
 }
@@ -211,6 +205,7 @@ RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
 /// Nothing that is computed depends on it. What contacts did at the last evaluation is lost.
 void GranularSystem::Impl::sortState() {
   const std::vector<std::int32_t> from = evaluation.sortPlaces(y);
+  const detail::Layout& layout = evaluation.layout();
   std::vector<std::vector<double>*> inOrder = stepper->kept();
   inOrder.push_back(&y);
   std::vector<double> before;
@@ -219,8 +214,10 @@ void GranularSystem::Impl::sortState() {
     before.assign(numbers->begin(),
                   numbers->begin() + static_cast<std::ptrdiff_t>(from.size()) * state::kSize);
     for (std::size_t place = 0; place < from.size(); ++place) {
-      std::copy_n(before.data() + from[place] * std::size_t{state::kSize}, state::kSize,
-                  numbers->data() + place * state::kSize);
+      const auto source = layout.numbersAt(from[place], std::as_const(before).data());
+      const auto target = layout.numbersAt(static_cast<std::int64_t>(place), numbers->data());
+      std::copy_n(source.pose, state::kPoseSize, target.pose);
+      std::copy_n(source.momenta, state::kMomentaSize, target.momenta);
     }
   }
 }

@@ -209,9 +209,8 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
   for (std::int32_t o = 0; o < dynamic; ++o) {
     const detail::Owner& owner = layout.owners[o];
     const bool isGrain = owner.kind == OwnerKind::Grain;
-    const double* rate = stepper->firstRate().data() + layout.stateOf(o);
-    const Vector3 force = Eigen::Map<const Vector3>(rate + state::kVelocity) / owner.inverseMass;
-    const Vector3 torque = Eigen::Map<const Vector3>(rate + state::kAngularMomentum);
+    const auto rate = layout.numbersOf(o, stepper->firstRate().data());
+    const Vector3 force = rate.velocity() / owner.inverseMass, torque = rate.angularMomentum();
     const Pose pose = readOwner(o).pose;
     detail::Rest& rest = (isGrain ? restOfGrain : restOfBody)[owner.index];
     const bool rests = (isGrain ? grains[owner.index].maySleep : bodies[owner.index].maySleep) && quiet[o] &&

@@ -30,8 +30,11 @@ bool isFinite(const RigidMotion& m) {
 void GranularSystem::Impl::quarantineNonFinite(StepReport& report) {
   const detail::Layout& layout = evaluation.layout();
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
-    const Eigen::Map<const Eigen::Matrix<double, state::kSize, 1>> own(y.data() + layout.stateOf(o));
-    if (own.allFinite()) continue;
+    const auto own = layout.numbersOf(o, y.data());
+    if (own.position().allFinite() && own.orientation().coeffs().allFinite() && own.velocity().allFinite() &&
+        own.angularMomentum().allFinite()) {
+      continue;
+    }
     const std::int32_t index = layout.owners[o].index;
     if (layout.owners[o].kind == OwnerKind::Grain) {
       removeGrain(index);
@@ -153,9 +156,8 @@ GranularSystem::Impl::Totals GranularSystem::Impl::sumUp() {
 void GranularSystem::Impl::addOwner(std::int32_t o, Totals& sum) const {
   const detail::Layout& layout = evaluation.layout();
   const detail::Owner& owner = layout.owners[o];
-  const double* own = y.data() + layout.stateOf(o);
-  const Eigen::Map<const Vector3> position(own + state::kPosition), velocity(own + state::kVelocity),
-      angularMomentum(own + state::kAngularMomentum);
+  const auto own = layout.numbersOf(o, y.data());
+  const auto position = own.position(), velocity = own.velocity(), angularMomentum = own.angularMomentum();
   const bool isGrain = owner.kind == OwnerKind::Grain;
   const RigidMotion& motion = isGrain ? grainMotions[owner.index] : bodies[owner.index].motion;
   const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Poses that move on by themselves, in packs of owners; included once by the file for each processor.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "granular/system/detail/contact_kernels.h"
+#include "granular/system/detail/layout.h"
+#include "granular/system/detail/pack_rows.h"
+
+namespace granular::detail {
+namespace {
+
+/// cos(a) and sin(a)/a by the square of a half angle of at most kLargestHalfTurn: the series, of which what
+/// is left out is below 1e-20.
+struct PackHalfTurn {
+  static constexpr double kLargestSquare = 0.01;
+  Pack cosine, sineOverAngle;
+
+  explicit PackHalfTurn(const Pack& x) {
+    constexpr auto over = [](double n) { return 1.0 / n; };
+    cosine = 1.0 - x * (over(2) - x * (over(24) - x * (over(720) - x * (over(40320) - x * over(3628800)))));
+    sineOverAngle =
+        1.0 - x * (over(6) - x * (over(120) - x * (over(5040) - x * (over(362880) - x * over(39916800)))));
+  }
+};
+
+[[gnu::flatten]] std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
+                                          std::int32_t* left) {
+  std::int32_t leftCount = 0;
+  const auto rowAt = [](auto* numbers, std::int32_t place, int size) {
+    return numbers + std::int64_t{place} * size;
+  };
+  const auto step = [](const Vector3Of<Pack>& v, double t, const FourPacks<Pack>& rate) -> Vector3Of<Pack> {
+    return {v.first + t * rate.first, v.second + t * rate.second, v.third + t * rate.third};
+  };
+  for (std::int32_t place = begin; place < end; place += kPackSize) {
+    // Lanes to spare do the last owner again.
+    const auto at = [&](int lane) { return std::min(place + lane, end - 1); };
+    const auto posesOf = [&](int from) {
+      return packsOf([&](int lane) { return rowAt(arrays.poses, at(lane), state::kPoseSize) + from; });
+    };
+    const auto momentaOf = [&](const double* numbers, int from) {
+      return packsOf([&](int lane) { return rowAt(numbers, at(lane), state::kMomentaSize) + from; });
+    };
+    // Rows of four, of which a velocity takes the first three and an angular momentum the last three.
+    const FourPacks<Pack> position = posesOf(0), q = posesOf(3);
+    const FourPacks<Pack> linear = momentaOf(arrays.momenta, 0), angular = momentaOf(arrays.momenta, 2);
+    const FourPacks<Pack> pull = momentaOf(arrays.rates, 0), twist = momentaOf(arrays.rates, 2);
+    const Pack inverseInertia = packOf([&](int lane) { return arrays.inverseInertia[at(lane)]; });
+    const Vector3Of<Pack> v{linear.first, linear.second, linear.third};
+    const Vector3Of<Pack> L{angular.second, angular.third, angular.fourth};
+    const FourPacks<Pack> torque{twist.second, twist.third, twist.fourth, twist.first};
+
+    const Vector3Of<Pack> way = arrays.drift.time * step(v, arrays.drift.poseKick, pull);
+    const Vector3Of<Pack> half =
+        Pack(0.5 * arrays.drift.time * inverseInertia) * step(L, arrays.drift.poseKick, torque);
+    const Pack square = half.squaredNorm();
+    const PackHalfTurn turn(square);
+    const Vector3Of<Pack> u = turn.sineOverAngle * half, p{q.second, q.third, q.fourth};
+    const Pack w = turn.cosine * q.first - u.dot(p);
+    const Vector3Of<Pack> turned = turn.cosine * p + (q.first * u + u.cross(p));
+    const Pack norm = sqrt(w * w + turned.squaredNorm());
+
+    const Vector3Of<Pack> vNext = step(v, arrays.drift.kick, pull),
+                          LNext = step(L, arrays.drift.kick, torque);
+    const auto poseTo = [&](int from) {
+      return [&arrays, &at, rowAt, from](int lane) {
+        return rowAt(arrays.posesTo, at(lane), state::kPoseSize) + from;
+      };
+    };
+    const auto momentaTo = [&](int from) {
+      return [&arrays, &at, rowAt, from](int lane) {
+        return rowAt(arrays.momentaTo, at(lane), state::kMomentaSize) + from;
+      };
+    };
+    const Pack wNext = w / norm;
+    storeRows({position.first + way.x(), position.second + way.y(), position.third + way.z(), wNext},
+              poseTo(0));
+    storeRows({wNext, turned.x() / norm, turned.y() / norm, turned.z() / norm}, poseTo(3));
+    storeRows({vNext.x(), vNext.y(), vNext.z(), LNext.x()}, momentaTo(0));
+    storeRows({vNext.z(), LNext.x(), LNext.y(), LNext.z()}, momentaTo(2));
+
+    const PackMask isDone = square < Pack(PackHalfTurn::kLargestSquare) && inverseInertia > 0.0;
+    for (int lane = 0; lane < std::min(kPackSize, end - place); ++lane) {
+      left[leftCount] = place + lane;
+      leftCount += !isDone[lane];
+    }
+  }
+  return leftCount;
+}
+
+}  // namespace
+}  // namespace granular::detail
