@@ -208,9 +208,9 @@ class Evaluation {
   std::vector<MaterialPair> materialPairs_;
   std::vector<MaterialDef> materials_;
 
-  std::vector<OwnerRow> owners_;  // by place
-  std::vector<ParticleRow>
-      balls_;  // by place: about the centre, holds the owner; not of what ballAt looks up
+  // By place. Balls: about the centre, holding the owner; out of date where ballAt looks elsewhere.
+  std::vector<OwnerRow> owners_;
+  std::vector<ParticleRow> balls_;
   std::vector<Matrix3> rotations_;  // of bodies; body owner o is at o - layout_.dynamicGrains
   std::vector<ParticleRow> particles_;
   std::vector<ListedRow> listedParticles_;  // of those that move
