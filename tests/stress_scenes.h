@@ -18,6 +18,9 @@ Outcome row(Stepper stepper, double boundsPerStep);
 /// Largest speed with which a ball slides on a plane under law 18, over that of the start, in 300 sub-steps
 /// of this length times the rate kt (1/m + R^2/I).
 Outcome slide(Stepper stepper, double rateTimesStep);
+/// Longest sub-step that the stepper takes by itself while a ball slides on a plane under law 18, times the
+/// rate kt (1/m + R^2/I), which is a thousand over the contact time.
+Outcome slideOfItself(Stepper stepper);
 /// Growth of the swing in 2000 steps of RKF45 on an undamped spring, over |P(i w0 dt)|^2000, its stability
 /// polynomial.
 Outcome growthByRkf45(double frequencyTimesStep);
@@ -50,6 +53,8 @@ Outcome movingWall(double speed, double youngsModulus);
 /// Of a settled bed, over m g R of all grains: kinetic energy at the end, or energy that came from nowhere in
 /// the last half of the time, whichever is more.
 Outcome bedAtRest(ShearLaw law, Stepper stepper, double youngsModulus);
+/// The same in less time, law 18 with a viscosity a hundred times the one that holds where none is given.
+Outcome bedOfHugeViscosity(Stepper stepper);
 /// Balls that hold one another by friction alone, whose springs nothing damps: energy that came from nowhere
 /// in 0.4 s, over m g R of all.
 Outcome crystal(Stepper stepper);

@@ -288,7 +288,7 @@ std::vector<std::string> GranularSystem::advice(double speed) {
   requireNotNegative(speed, "speed", "m/s");
   Impl& s = *impl_;
   s.prepare();
-  const std::vector<MaterialPair> pairs = s.combineAllMaterials();
+  const std::vector<MaterialPair>& pairs = s.materialPairs();
   const std::vector<Side> sides = extremesOf(sidesOf(s.evaluation.layout()));
   const double gravity = s.gravity.norm();
   Advice advice;

@@ -107,6 +107,7 @@ GranularSystem& GranularSystem::operator=(GranularSystem&&) noexcept = default;
 MaterialId GranularSystem::addMaterial(const MaterialDef& def) {
   checkMaterial(def);
   impl_->materials.push_back(def);
+  impl_->combined.clear();
   impl_->layoutIsOld = true;
   return {static_cast<std::int32_t>(impl_->materials.size()) - 1};
 }
@@ -116,6 +117,7 @@ void GranularSystem::setMaterialPair(MaterialId a, MaterialId b, const MaterialP
   impl_->checkMaterialId(b, "MaterialId");
   checkMaterialPair(def);
   impl_->pairDefs[std::minmax(a.index, b.index)] = def;
+  impl_->combined.clear();
   impl_->wakeAll();
   impl_->layoutIsOld = true;
 }

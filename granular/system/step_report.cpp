@@ -44,7 +44,8 @@ std::string describe(StepFlag set) {
       {StepFlag::BodiesStopped,
        "A body's state was no longer finite: it was put back to where the step found it, at rest. "},
       {StepFlag::FixedSubStepTooLong,
-       "A fixed sub-step was longer than a quarter of the shortest contact time: lower "
+       "A fixed sub-step was longer than a quarter of the shortest contact time, or than the shear law's "
+       "damping bears: lower "
        "IntegratorDef.fixedSubStep. "},
       {StepFlag::BudgetExhausted,
        "The budget of work was used up and time was dropped: raise WorkBudget or ask for less. "},

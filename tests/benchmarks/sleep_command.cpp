@@ -7,10 +7,12 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "granular/contact/elasticity.h"
 #include "granular/granular.h"
 #include "tests/benchmarks/commands.h"
 
@@ -36,7 +38,8 @@ struct Bed {
                 .sleep = {.enabled = true},
                 .threads = threads}) {
     stone = system.addMaterial({});
-    system.setMaterialPair(stone, stone, {.shear = {.law = granular::ShearLaw::StaticFriction}});
+    system.setMaterialPair(stone, stone,
+                           {.restitution = 0.1, .shear = {.law = granular::ShearLaw::StaticFriction}});
     ball = system.addGrainShape(granular::sphereShape(kRadius));
     held.push_back(system.addBody({.exact = granular::HalfSpace{}, .material = stone}));
     for (const Vector3& inward : {Vector3(1, 0, 0), Vector3(-1, 0, 0), Vector3(0, 0, 1), Vector3(0, 0, -1)}) {
@@ -46,16 +49,31 @@ struct Bed {
            .pose = {-n * kRadius * inward, granular::Quaternion::FromTwoVectors(Vector3::UnitY(), inward)}}));
     }
     for (int layer = 0; layer < layers; ++layer) {
+      height += layer == 0 ? kRadius - overlapUnder(layers, 0.0) : riseOf(layers - layer);
       const int across = n - layer % 2;
       for (int i = 0; i < across * across; ++i) {
-        const Vector3 site(2 * (i % across) + 1 - across, 1.0 + layer * std::sqrt(2.0),
-                           2 * (i / across) + 1 - across);
-        add(kRadius * site);
+        add({kRadius * (2 * (i % across) + 1 - across), height, kRadius * (2 * (i / across) + 1 - across)});
       }
     }
-    height = kRadius * (2.0 + (layers - 1) * std::sqrt(2.0));
+    height += kRadius;
   }
 
+  /// How deep a contact of a ball is that bears these many weights of one, m. inverseRadius: of the other,
+  /// 1/m.
+  double overlapUnder(double weights, double inverseRadius) const {
+    const granular::MaterialDef& made = system.material(stone);
+    const double modulus = granular::effectiveModulus(made.youngsModulus, made.poissonRatio,
+                                                      made.youngsModulus, made.poissonRatio);
+    const granular::EffectiveContact pair{.radius = 1.0 / (1.0 / kRadius + inverseRadius),
+                                          .modulus = modulus};
+    const double mass = made.density * 4.0 / 3.0 * std::numbers::pi * kRadius * kRadius * kRadius;
+    return std::pow(weights * mass * kGravity / pair.hertzStiffness(), 2.0 / 3.0);
+  }
+  /// From one layer to the next, which bears these many: each ball on four at 45 degrees, far from walls.
+  double riseOf(double weights) const {
+    const double apart = 2.0 * kRadius - overlapUnder(weights / (4.0 * std::sqrt(0.5)), 1.0 / kRadius);
+    return std::sqrt(apart * apart - 2.0 * kRadius * kRadius);
+  }
   void add(const Vector3& at) {
     const granular::GrainId id =
         system.addGrain({.shape = ball, .material = stone, .pose = {.position = at}});

@@ -96,6 +96,13 @@ class Evaluation {
   /// Time over which an error of velocity counts as one of position: the shortest contact time at 1 m/s, s.
   double referenceContactTime() const;
 
+  /// Largest rate at which viscosities and dashpots that the user gave may damp sliding, 1/s, in the contacts
+  /// of the last evaluation; 0 where none was given. No mode is damped faster: of C, the damping of all
+  /// contacts, and M, the masses and moments of inertia of all owners, it is a bound on the eigenvalues of
+  /// M^-1 C (Gershgorin), exact where one contact damps. Contacts between bodies, whose constants belong to
+  /// all of a face, are left out.
+  double shearRate();
+
   // Where things were at the last evaluation: also those that do not move.
   Vector3 center(std::int32_t owner) const {
     const ParticleRow& ball = ballAt(layout_.placeOfOwner[owner]);
@@ -167,6 +174,7 @@ class Evaluation {
     return row.velocity.norm() + row.angularVelocity.norm() * ballAt(place).radius;
   }
   PairLaw pairLaw(const Contact& contact) const;
+  double givenDamping(const Contact& contact) const;
   PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
   void noteLaws();
   void placeSurface(std::int32_t s);
@@ -253,7 +261,9 @@ class Evaluation {
   std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
   std::vector<SettledMemory> contactMemory_;     // by contact
   std::vector<double> pieceMaximum_, pieceMaximum2_;
-  std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
+  bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there
+  std::vector<double> dampingOfOwner_;  // 1/s: as shearRate()
+  std::vector<double> heatOfOwner_;     // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;
 };
 

@@ -28,18 +28,29 @@ void Evaluation::makePairLaws() {
   }
 }
 
-/// Whether anything that is there remembers, and whether it is all grains of one material: scenes without
-/// memory, and plain ones, do not pay for what others need.
+namespace {
+
+bool hasMemory(ShearLaw law) {
+  return withShearLaw(law, []<class Law>(Law) { return Law::kHasMemory; });
+}
+
+}  // namespace
+
+/// Whether anything that is there remembers, whose damping of sliding was not worked out from contact times,
+/// and whether it is all grains of one material: scenes without memory, and plain ones, do not pay for what
+/// others need.
 void Evaluation::noteLaws() {
   std::vector<bool> isThere(materials_.size(), false);
   for (const ParticleKind& kind : layout_.kinds) isThere[kind.material] = true;
   isUniform_ = layout_.dynamicBodies == 0 && std::count(isThere.begin(), isThere.end(), true) == 1;
-  hasMemory_ = false;
+  hasMemory_ = isDampingGiven_ = false;
   for (std::size_t a = 0; a < materials_.size(); ++a) {
     for (std::size_t b = 0; b < materials_.size(); ++b) {
       if (!isThere[a] || !isThere[b]) continue;
-      hasMemory_ |= withShearLaw(materialPairs_[a * materials_.size() + b].def.shear.law,
-                                 []<class Law>(Law) { return Law::kHasMemory; });
+      const ShearLawDef& shear = materialPairs_[a * materials_.size() + b].def.shear;
+      hasMemory_ |= hasMemory(shear.law);
+      isDampingGiven_ |=
+          hasMemory(shear.law) ? shear.dampingRatio.value_or(0.0) > 0.0 : shear.viscosity.value_or(0.0) > 0.0;
     }
   }
 }
@@ -62,6 +73,37 @@ Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
   const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
   const bool ofBodies = owner1.isBody != 0 && owner2.isBody != 0;
   return ruleBetween(owner1.material, owner2.material, ofBodies);
+}
+
+/// What the user gave to damp the sliding of this contact, N s/m; 0 where it was not given.
+double Evaluation::givenDamping(const Contact& contact) const {
+  const PairRule rule = ruleOf(contact);
+  const ShearLawDef& shear = rule.pair->def.shear;
+  if (rule.ofBodies) return 0.0;
+  if (!hasMemory(shear.law)) return shear.viscosity.value_or(0.0);
+  return shear.dampingRatio ? pairLaw(contact).shear.dashpot : 0.0;
+}
+
+double Evaluation::shearRate() {
+  if (!isDampingGiven_) return 0.0;
+  dampingOfOwner_.assign(layout_.owners.size(), 0.0);
+  forEachContact([&](const Contact& contact, const ContactForce& f) {
+    const double damping = givenDamping(contact);
+    if (damping == 0.0) return;
+    for (const std::int32_t slot : {contact.slot1, contact.slot2}) {
+      const std::int32_t o = layout_.ownerOfSlot[slot];
+      if (o >= layout_.dynamicCount()) continue;
+      const Owner& owner = layout_.owners[o];
+      const double arm = (f.point - center(o)).squaredNorm();
+      dampingOfOwner_[o] += damping * (owner.inverseMass + arm * owner.inverseInertia.maxCoeff());
+    }
+  });
+  double largest = 0.0;
+  forEachContact([&](const Contact& contact, const ContactForce&) {
+    largest = std::max(largest, dampingOfOwner_[layout_.ownerOfSlot[contact.slot1]] +
+                                    dampingOfOwner_[layout_.ownerOfSlot[contact.slot2]]);
+  });
+  return largest;
 }
 
 double Evaluation::referenceContactTime() const {

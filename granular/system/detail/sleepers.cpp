@@ -8,6 +8,9 @@
 namespace granular::detail {
 namespace {
 
+// Over the fraction at which a sleeper is to wake: it is not kept waiting for others beyond this.
+constexpr double kUrgentImbalance = 2.0;
+
 /// The sleeper's number, or -1 for another owner.
 std::int32_t sleeperOf(const Layout& layout, std::int32_t owner) {
   return owner >= layout.firstSleeper ? owner - layout.firstSleeper : -1;
@@ -110,6 +113,7 @@ const std::vector<std::int32_t>& SleeperLoads::findUnbalanced(const Evaluation& 
                                                               double now, double memory) {
   const Layout& layout = evaluation.layout();
   unbalanced_.clear();
+  isUrgent_ = false;
   awakeNet_ = takeAwake(evaluation);
   lookAt_.insert(lookAt_.end(), touched_.begin(), touched_.end());
   std::sort(lookAt_.begin(), lookAt_.end());
@@ -132,7 +136,10 @@ const std::vector<std::int32_t>& SleeperLoads::findUnbalanced(const Evaluation& 
     held.time = now;
     // What nobody awake touches is out of balance for good.
     const Wrench& felt = load.wasTouched ? held.mean : net;
-    if (isUnbalanced(owner, felt.force, felt.torque, held.carried, fraction)) unbalanced_.push_back(o);
+    if (!isUnbalanced(owner, felt.force, felt.torque, held.carried, fraction)) continue;
+    unbalanced_.push_back(o);
+    isUrgent_ |= !load.wasTouched ||
+                 isUnbalanced(owner, felt.force, felt.torque, held.carried, kUrgentImbalance * fraction);
   }
   lastLook_ = now;
   return unbalanced_;

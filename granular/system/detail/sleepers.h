@@ -69,6 +69,9 @@ class SleeperLoads {
   /// taken, s.
   const std::vector<std::int32_t>& findUnbalanced(const Evaluation& evaluation, double fraction, double now,
                                                   double memory);
+  /// Of those that the last call returned: whether somebody is to be woken at once, since it is out of
+  /// balance twice as far, or nobody awake touches it, so that its mean will not fade.
+  bool isUrgent() const { return isUrgent_; }
   /// It is asleep from now, s, on, and has held this.
   void begin(OwnerKind kind, std::int32_t index, double now, const Wrench& mean = {});
   /// Mean net force and torque on it at the last call of findUnbalanced. memory: as there.
@@ -84,6 +87,7 @@ class SleeperLoads {
   std::vector<Held> ofGrain_, ofBody_;  // by index: they outlive layouts
   double lastLook_ = 0.0;               // s
   std::vector<std::int32_t> touched_, lookAt_, lookedAt_, unbalanced_;
+  bool isUrgent_ = false;
   Vector3 frozenNet_ = Vector3::Zero(), awakeNet_ = Vector3::Zero();
 };
 

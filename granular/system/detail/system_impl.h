@@ -91,6 +91,7 @@ class GranularSystem::Impl {
   IntegratorDef integrator;
   std::vector<MaterialDef> materials;
   std::map<std::pair<std::int32_t, std::int32_t>, MaterialPairDef> pairDefs;
+  std::vector<MaterialPair> combined;  // of any two materials; none where one has changed since
   std::vector<GrainShape> shapes;
   std::vector<detail::GrainRecord> grains;
   std::vector<RigidMotion> grainMotions;  // principal frame, as published
@@ -110,6 +111,9 @@ class GranularSystem::Impl {
   std::vector<Totals> totalsOfPiece;
   std::vector<double> wayOfOwner;                             // error of the last trial, m
   std::optional<std::vector<RememberedContact>> givenMemory;  // comes in place of what the layout had
+  double lastShearRate = 0.0;                                 // 1/s, as Impl::shearRate,
+  int shearRateAge = 0;                                       // of so many sub-steps ago,
+  std::int64_t shearRateContacts = 0;                         // when there were so many contacts
   double contactTimeAtReference = 0.0;  // turns an error of velocity into one of position, s
   double time = 0.0;
   double heat = 0.0, workByMoved = 0.0, workByLoads = 0.0;
@@ -134,6 +138,7 @@ class GranularSystem::Impl {
   double partStart = 0.0;                  // simulated time when the present integrate() began, s
   double clock = 0.0;                      // simulated time when sleepers were last looked at, s
   double nextInspection = 0.0;             // s
+  double nextWaking = 0.0;                 // s; before, only who cannot wait wakes
   Vector3 heldImpulse = Vector3::Zero();   // N s
   std::int64_t fellAsleep = 0, woken = 0;  // since the step began
 
@@ -148,19 +153,20 @@ class GranularSystem::Impl {
   void makeLayout();
   std::int32_t addGrains(bool asleep);
   std::int32_t addBodies(BodyMotion type, bool asleep);
-  std::vector<MaterialPair> combineAllMaterials() const;
+  const std::vector<MaterialPair>& materialPairs();
   void loadSurroundings();
   void loadState();
   void sortState();
   StepReport step(double dt, const WorkBudget& allowed);
   bool isBudgetSpent(const StepReport& report) const;
   double integrate(double dt, StepReport& report);
-  double trialBound(const detail::EvaluationSummary& seen) const;
+  double shearRate(const detail::EvaluationSummary& seen);
+  double trialBound(const detail::EvaluationSummary& seen);
   double eventBound() const;
   Trial planTrial(double dt, double remaining, const StepReport& report);
   bool isResultFinite();
   double scaledError();
-  bool isTooLong(const Trial& trial) const;
+  bool isTooLong(const Trial& trial);
   bool judge(const Trial& trial, double scaledError);
   void acceptTrial(const Trial& trial, bool isLast, StepReport& report);
   void storeState(double dt);

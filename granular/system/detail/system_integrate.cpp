@@ -36,6 +36,11 @@ constexpr double kLongestFixed = 0.25;
 // contactTimeFraction, 0.3.
 constexpr double kDampingPerContact = 10.0;
 
+// How old a rate of damping by sliding may be that bounds a trial, in sub-steps, and by how much the number
+// of contacts may have grown since then: to find it takes a look at all contacts.
+constexpr int kOldRate = 16;
+constexpr double kMoreContacts = 1.1;
+
 // Beyond IntegratorDef::trialLimit errors may be this much larger.
 constexpr double kLooseTolerance = 1000.0;
 
@@ -54,13 +59,25 @@ void raise(double& largest, double value) {
 
 }  // namespace
 
+/// As Evaluation::shearRate, of now or not long ago. The evaluation that saw this is the last one.
+double GranularSystem::Impl::shearRate(const detail::EvaluationSummary& seen) {
+  const bool isOld = shearRateAge >= kOldRate || static_cast<double>(seen.contacts) >
+                                                     kMoreContacts * static_cast<double>(shearRateContacts);
+  if (!isOld) return lastShearRate;
+  shearRateAge = 0;
+  shearRateContacts = seen.contacts;
+  return lastShearRate = evaluation.shearRate();
+}
+
 /// Longest trial that what was seen allows, s.
-double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) const {
+double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) {
   double bound = std::numeric_limits<double>::infinity();
   if (seen.urgency > 0.0) {
     bound = integrator.contactTimeFraction * contactTimeOfUrgency(seen.urgency) * stepper->dampingLimit() /
             kRkf45.dampingLimit;
   }
+  if (const double rate = shearRate(seen); rate > 0.0)
+    bound = std::min(bound, stepper->dampingLimit() / rate);
   if (seen.largestSpeed > 0.0) {
     bound = std::min(bound, kLargestMove * evaluation.layout().smallestRadius / seen.largestSpeed);
   }
@@ -198,16 +215,18 @@ bool GranularSystem::Impl::judge(const Trial& trial, double scaledError) {
 }
 
 /// Whether a sub-step of fixed length, which nothing bounds, is long enough for energy to come from nowhere.
-bool GranularSystem::Impl::isTooLong(const Trial& trial) const {
-  const double urgency = equations.seen().urgency;
-  return integrator.fixedSubStep > 0.0 && urgency > 0.0 &&
-         trial.length > kLongestFixed * contactTimeOfUrgency(urgency);
+bool GranularSystem::Impl::isTooLong(const Trial& trial) {
+  if (!(integrator.fixedSubStep > 0.0)) return false;
+  const detail::EvaluationSummary& seen = equations.seen();
+  return (seen.urgency > 0.0 && trial.length > kLongestFixed * contactTimeOfUrgency(seen.urgency)) ||
+         trial.length * shearRate(seen) > stepper->dampingLimit();
 }
 
 void GranularSystem::Impl::acceptTrial(const Trial& trial, bool isLast, StepReport& report) {
   const double h = trial.length;
   y.swap(stepper->result());
   lastSubStep = h;
+  ++shearRateAge;
   startIsCurrent = false;
   if (stepper->accept(h)) startIsEvaluated();
   ++report.subSteps;
@@ -224,6 +243,7 @@ void GranularSystem::Impl::acceptTrial(const Trial& trial, bool isLast, StepRepo
 /// somebody wakes or falls asleep. Returns the time reached.
 double GranularSystem::Impl::integrate(double dt, StepReport& report) {
   double t = 0.0;
+  shearRateAge = kOldRate;
   bool isNew = true;  // a rejected trial leaves contacts that never were
   while (t < dt) {
     if (isBudgetSpent(report)) return t;

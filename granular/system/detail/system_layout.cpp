@@ -49,7 +49,7 @@ void GranularSystem::Impl::prepare() {
   makeLayout();
   loadSurroundings();
   loadSleepers();
-  evaluation.reset(combineAllMaterials(), materials);
+  evaluation.reset(materialPairs(), materials);
   contactTimeAtReference = evaluation.referenceContactTime();
   loadState();
   sortState();
@@ -146,17 +146,20 @@ void GranularSystem::Impl::makeLayout() {
   layout.finish(excludedOwners);
 }
 
-std::vector<MaterialPair> GranularSystem::Impl::combineAllMaterials() const {
+/// Of materials a and b at a * count + b. Finding a damping by impacts takes milliseconds, and a layout is
+/// made whenever somebody wakes.
+const std::vector<MaterialPair>& GranularSystem::Impl::materialPairs() {
+  if (!combined.empty()) return combined;
   const auto count = static_cast<std::int32_t>(materials.size());
-  std::vector<MaterialPair> pairs(materials.size() * materials.size());
+  combined.resize(materials.size() * materials.size());
   for (std::int32_t a = 0; a < count; ++a) {
     for (std::int32_t b = a; b < count; ++b) {
       const auto found = pairDefs.find({a, b});
       const MaterialPairDef def = found == pairDefs.end() ? MaterialPairDef{} : found->second;
-      pairs[a * count + b] = pairs[b * count + a] = combineMaterials(materials[a], materials[b], def);
+      combined[a * count + b] = combined[b * count + a] = combineMaterials(materials[a], materials[b], def);
     }
   }
-  return pairs;
+  return combined;
 }
 
 void GranularSystem::Impl::loadSurroundings() {

@@ -22,6 +22,11 @@ namespace state = detail::state;
 
 constexpr double kLooksPerRest = 8.0;
 
+// Where a front creeps through a bed, a few more wake in every sub-step, and each time is a new layout. So
+// they wait for one another this many times shorter than restTime, unless somebody's need is urgent. A ball
+// on a bed of 10,446 made 307 layouts in 0.5 s without.
+constexpr double kWakingsPerRest = 32.0;
+
 // How many contacts away from a sleeper that lost its balance others are woken too.
 constexpr int kWakeRings = 1;
 
@@ -100,7 +105,8 @@ bool GranularSystem::Impl::wakeUnbalanced(double now, double passed) {
   const std::vector<std::int32_t>& lost =
       sleeperLoads.findUnbalanced(evaluation, sleep.wakeImbalance, now, sleep.restTime);
   heldImpulse += 0.5 * passed * (netBefore + sleeperLoads.netForce());
-  if (lost.empty()) return false;
+  if (lost.empty() || (now < nextWaking && !sleeperLoads.isUrgent())) return false;
+  nextWaking = now + sleep.restTime / kWakingsPerRest;
   std::vector<char> wakes(layout.owners.size(), 0);
   for (const std::int32_t o : lost) wakes[o] = 1;
   for (int ring = 0; ring < kWakeRings; ++ring) {
