@@ -15,10 +15,19 @@ TEST(StepControl, AcceptsWithinToleranceOnly) {
   EXPECT_FALSE(control.judge(0.1, std::nan("")));
 }
 
-TEST(StepControl, AimsAtTheAllowedError) {
+TEST(StepControl, AimsAtAQuarterOfTheAllowedError) {
   StepControl control(5);
   control.judge(0.1, 32.0);  // five halvings of the error are one of the step
-  EXPECT_NEAR(control.propose(1.0, 1.0), 0.9 * 0.05, 1e-12);
+  EXPECT_NEAR(control.propose(1.0, 1.0), std::pow(0.25, 0.2) * 0.05, 1e-3 * 0.05);
+}
+
+TEST(StepControl, AimsBelowTheAllowedErrorByAnyOrder) {
+  for (const int order : {2, 3, 5}) {
+    StepControl control(order);
+    control.judge(0.1, 2.0);
+    const double next = control.propose(1.0, 1.0);
+    EXPECT_LT(2.0 * std::pow(next / 0.1, order), 1.0) << order;
+  }
 }
 
 TEST(StepControl, LeavesNoTinyLastSubStep) {

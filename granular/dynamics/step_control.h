@@ -31,7 +31,10 @@ class StepControl {
   /// scaledError = largest error over what is allowed, NaN if the trial left the reals.
   /// Returns whether to accept, and remembers what to try next.
   bool judge(double h, double scaledError) {
-    constexpr double kSafety = 0.9, kSmallestFactor = 0.2, kLargestFactor = 4.0;
+    // Contacts that begin make errors scatter from trial to trial, and a rejected one is work thrown away. Of
+    // 512 spheres flowing, at a true error of 1e-4 radii, RKF45 took 382 evaluations with the usual 0.9 and
+    // 366 with 0.76, leapfrog 253 and 215, Bogacki-Shampine 353 and 281 (granular_bench work-precision).
+    constexpr double kSafety = 0.76, kSmallestFactor = 0.2, kLargestFactor = 4.0;
     const double wanted = scaledError > 0.0 ? kSafety * std::pow(scaledError, exponent_) : kLargestFactor;
     const bool accepted = scaledError <= 1.0;
     double factor =
