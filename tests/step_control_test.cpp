@@ -15,10 +15,10 @@ TEST(StepControl, AcceptsWithinToleranceOnly) {
   EXPECT_FALSE(control.judge(0.1, std::nan("")));
 }
 
-TEST(StepControl, AimsAtAQuarterOfTheAllowedError) {
+TEST(StepControl, AimsAtAQuarterOfTheAllowedErrorByOrderFive) {
   StepControl control(5);
   control.judge(0.1, 32.0);  // five halvings of the error are one of the step
-  EXPECT_NEAR(control.propose(1.0, 1.0), std::pow(0.25, 0.2) * 0.05, 1e-3 * 0.05);
+  EXPECT_NEAR(32.0 * std::pow(control.propose(1.0, 1.0) / 0.1, 5), 0.25, 0.01);
 }
 
 TEST(StepControl, AimsBelowTheAllowedErrorByAnyOrder) {
