@@ -138,9 +138,7 @@ struct PackVector3 {
   friend PackVector3 operator*(const Real& s, const PackVector3& v) {
     return {s * v.first, s * v.second, s * v.third};
   }
-  friend PackVector3 operator/(const PackVector3& v, const Real& s) {
-    return {v.first / s, v.second / s, v.third / s};
-  }
+  friend PackVector3 operator/(const PackVector3& v, const Real& s) { return Real(1.0 / s) * v; }
 };
 
 /// Three numbers, or three packs.

@@ -107,8 +107,9 @@ ContactResultOf<Real> resultWithMemory(const NormalConstantsOf<Real>& normal,
   Vector Dt = acrossN(D);
   memory.rate = rateOf(Dt);
   memory.rate = rateOf(Dt + g.memoryStep * memory.rate);
-  Dt = acrossN(Dt + g.memoryStep * memory.rate) / stiffer;
-  memory.nextRate = memory.rate / stiffer;
+  const Real softer = 1.0 / stiffer;
+  Dt = softer * acrossN(Dt + g.memoryStep * memory.rate);
+  memory.nextRate = softer * memory.rate;
   const MaskOf<Real> slid = g.slides || g.isNew;
   const Vector Ft = Shear::force(shear, friction, kt, Vt, Dt, slid);
   memory.slides = Shear::slides(shear, friction, kt, Vt, Dt, slid);

@@ -151,17 +151,18 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
 /// The memory of contacts in one piece of rows, into its places of memory_, y and rate.
 void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate) {
   const ContactRange range = contactsOfPiece(piece);
-  for (std::int32_t n = range.first; n < range.last; ++n) {
-    const std::int32_t before = memoryOfCandidate_[contacts_[n].candidate];
-    if (before >= 0 && isRemembered(n)) livesOn_[before] = 1;
-  }
   const std::int32_t endRow = std::min(layout_.dynamicParticles, (piece + 1) * kRowsPerPiece);
-  std::fill(memoryOfCandidate_.begin() + list_.rowStart()[piece * kRowsPerPiece],
-            memoryOfCandidate_.begin() + list_.rowStart()[endRow], -1);
+  std::int32_t c = list_.rowStart()[piece * kRowsPerPiece];  // candidates before it are done
+  const auto forgetUntil = [&](std::int32_t end) {
+    for (; c < end; ++c) memoryOfCandidate_[c] = -1;
+  };
   std::int32_t m = entriesInPiece_[piece];
   for (std::int32_t n = range.first; n < range.last; ++n) {
-    const Contact& contact = contacts_[n];
     if (!isRemembered(n)) continue;
+    const Contact& contact = contacts_[n];
+    forgetUntil(contact.candidate);
+    if (const std::int32_t before = memoryOfCandidate_[c]; before >= 0) livesOn_[before] = 1;
+    memoryOfCandidate_[c++] = m;
     const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
@@ -170,8 +171,9 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
                   granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides};
     Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
     Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
-    memoryOfCandidate_[contact.candidate] = m++;
+    ++m;
   }
+  forgetUntil(list_.rowStart()[endRow]);
 }
 
 double Evaluation::memoryEnergy() const {

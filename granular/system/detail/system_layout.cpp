@@ -197,10 +197,7 @@ RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
   RigidMotion motion;
   motion.pose = {own.position(), own.orientation()};
   motion.velocity = own.velocity();
-  motion.angularVelocity =
-      motion.pose.orientation *
-      owner.inverseInertia.cwiseProduct(motion.pose.orientation.conjugate() * own.angularMomentum());
-  if (owner.isLocked) motion.angularVelocity = owner.freeAxes.cwiseProduct(motion.angularVelocity);
+  motion.angularVelocity = detail::angularVelocityOf(owner, motion.pose.orientation, own.angularMomentum());
   return motion;
 }
 
