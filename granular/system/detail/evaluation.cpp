@@ -26,7 +26,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
   surfaceInverseRadius_.clear();
   for (const std::int32_t o : layout_.ownerOfSurface) {
-    const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].exact);
+    const auto* ball = std::get_if<ExactSphere>(layout_.owners[o].body->exact);
     surfaceInverseRadius_.push_back(ball ? 1.0 / ball->radius : 0.0);
   }
   memory_.clear();
@@ -214,8 +214,8 @@ void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, cons
   const Owner& owner = layout_.owners[o];
   const Wrench& load = surroundings_.bodyLoad[body];
   const Vector3 acceleration = owner.inverseMass * contact.force + surroundings_.bodyGravity[body];
-  out.velocity() = owner.linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
-  out.angularMomentum() = owner.angularFactor.cwiseProduct(contact.torque) + load.torque;
+  out.velocity() = owner.body->linearFactor.cwiseProduct(acceleration) + owner.inverseMass * load.force;
+  out.angularMomentum() = owner.body->angularFactor.cwiseProduct(contact.torque) + load.torque;
 }
 
 /// What contacts did to a moving body, and work: by its load, or by the body itself where the host moves it.

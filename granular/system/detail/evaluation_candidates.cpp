@@ -28,10 +28,10 @@ constexpr double kParticleCost = 40.0, kTestCost = 0.6;
 void Evaluation::placeSurface(std::int32_t s) {
   const std::int32_t o = layout_.ownerOfSurface[s];
   const Owner& owner = layout_.owners[o];
-  surfaces_[s].shape = owner.exact;
-  surfaces_[s].boundingRadius = boundingRadius(*owner.exact);
-  surfaces_[s].point = center(o) + rotationOf(o) * owner.exactPose.position;
-  surfaces_[s].rotation = rotationOf(o) * owner.exactPose.orientation.toRotationMatrix();
+  surfaces_[s].shape = owner.body->exact;
+  surfaces_[s].boundingRadius = boundingRadius(*owner.body->exact);
+  surfaces_[s].point = center(o) + rotationOf(o) * owner.body->exactPose.position;
+  surfaces_[s].rotation = rotationOf(o) * owner.body->exactPose.orientation.toRotationMatrix();
 }
 
 /// How far any point of the surface near a particle has moved since the list was made, at most, m.

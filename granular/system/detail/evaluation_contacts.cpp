@@ -75,7 +75,7 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
   // Bodies that meet both ways, the particles of each on the surface of the other, share the stiffness.
   const bool bothWays = layout_.rules.onSurface(o, other) && layout_.rules.onSurface(other, o);
   const double weight = bothWays ? 0.5 : 1.0;
-  if (!onSurface || owner.pieces.empty()) {
+  if (!onSurface || owner.body->pieces.empty()) {
     if (!(g.xi > 0.0)) return false;
     const double first = areaOf(contact.slot1, g.N), second = onSurface ? 0.0 : areaOf(contact.slot2, -g.N);
     g.share = onSurface ? weight * first : first * second > 0.0 ? first * second / (first + second) : 0.0;
@@ -97,8 +97,8 @@ bool Evaluation::foundationGeometry(const Contact& contact, const Vector3& cente
     distance = face.distance(owner.particles[local].position);
     g.N = -(rotation * face.normal);
   }
-  const PressedPatch patch = pressedPatch(owner.piecesOf(local), owner.particles[local].position, distance,
-                                          rotation.transpose() * g.N, box ? &face : nullptr);
+  const PressedPatch patch = pressedPatch(owner.body->piecesOf(local), owner.particles[local].position,
+                                          distance, rotation.transpose() * g.N, box ? &face : nullptr);
   if (!(patch.area > 0.0)) return false;
   g.xi = patch.depth;
   g.share = weight * patch.area;

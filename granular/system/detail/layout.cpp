@@ -14,7 +14,7 @@ namespace {
 /// The corner of the piece farthest from its particle's centre against the particle's own radius.
 double overhangOf(const Owner& owner) {
   double most = 0.0;
-  for (const SurfacePiece& piece : owner.pieces) {
+  for (const SurfacePiece& piece : owner.body->pieces) {
     const ShapeParticle& particle = owner.particles[piece.particle];
     for (const Vector3& corner : piece.corners) {
       most = std::max(most, (corner - particle.position).norm() - particle.radius);
@@ -44,7 +44,7 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
                              : std::max(1, (count + kParticlesPerPatch - 1) / kParticlesPerPatch);
       patchCount += owner.patchCount;
     }
-    if (owner.exact != nullptr) ownerOfSurface.push_back(o);
+    if (owner.body->exact != nullptr) ownerOfSurface.push_back(o);
     overhang.push_back(overhangOf(owner));
     everythingMeets &=
         owner.filter.group == ContactFilter{}.group && owner.filter.mask == ContactFilter{}.mask;
@@ -66,25 +66,26 @@ void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
 
 void Layout::noteBodySurfaces() {
   const bool any = std::any_of(owners.begin(), owners.end(), [](const Owner& owner) {
-    return owner.exact != nullptr && owner.exactUse == ExactUse::Bodies;
+    return owner.body->exact != nullptr && owner.body->exactUse == ExactUse::Bodies;
   });
   if (!any) return;
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
     const Owner& owner = owners[o];
     const bool movesParticles = o < dynamicCount() && !owner.particles.empty();
-    rules.bodies.push_back({.isBody = owner.kind == OwnerKind::Body,
-                            .movesParticles = owner.kind == OwnerKind::Body && movesParticles,
-                            .hasSurface = owner.exact != nullptr && owner.exactUse == ExactUse::Bodies});
+    rules.bodies.push_back(
+        {.isBody = owner.kind == OwnerKind::Body,
+         .movesParticles = owner.kind == OwnerKind::Body && movesParticles,
+         .hasSurface = owner.body->exact != nullptr && owner.body->exactUse == ExactUse::Bodies});
   }
 }
 
 double Layout::areaAlong(const Owner& owner, std::int32_t local, const Vector3& N) {
-  if (owner.pieces.empty()) {
+  if (owner.body->pieces.empty()) {
     const double radius = owner.particles[local].radius;
     return 2.0 * std::sqrt(3.0) * radius * radius;
   }
   double area = 0.0;
-  for (const SurfacePiece& piece : owner.piecesOf(local)) {
+  for (const SurfacePiece& piece : owner.body->piecesOf(local)) {
     area += std::max(0.0, N.dot(piece.areaVector()));
   }
   return area;
@@ -97,12 +98,12 @@ namespace {
 void measureBody(const Owner& owner, ParticleKind& kind) {
   for (int axis = 0; axis < 3; ++axis) {
     double area = 0.0;
-    if (owner.pieces.empty()) {
+    if (owner.body->pieces.empty()) {
       for (std::int32_t k = 0; k < static_cast<std::int32_t>(owner.particles.size()); ++k) {
         area += Layout::areaAlong(owner, k, Vector3::Unit(axis));
       }
     }
-    for (const SurfacePiece& piece : owner.pieces) area += std::abs(piece.areaVector()[axis]);
+    for (const SurfacePiece& piece : owner.body->pieces) area += std::abs(piece.areaVector()[axis]);
     kind.bodyArea = std::max(kind.bodyArea, area);
   }
   kind.bodyLength = std::sqrt(0.5 * kind.bodyArea);
@@ -137,8 +138,9 @@ void Layout::findKinds() {
   if (smallestRadius == 0.0) smallestRadius = largestRadius = 1.0;  // no particles: nothing is measured by it
   for (const std::int32_t o : ownerOfSurface) {
     ParticleKind kind{.inverseMass = owners[o].inverseMass, .material = owners[o].material, .isBody = true};
-    if (const auto* ball = std::get_if<ExactSphere>(owners[o].exact)) kind.inverseRadius = 1.0 / ball->radius;
-    kind.bodyArea = shownArea(*owners[o].exact).maxCoeff();
+    if (const auto* ball = std::get_if<ExactSphere>(owners[o].body->exact))
+      kind.inverseRadius = 1.0 / ball->radius;
+    kind.bodyArea = shownArea(*owners[o].body->exact).maxCoeff();
     kind.bodyLength = std::sqrt(0.5 * kind.bodyArea);
     kindOfRank.push_back(kindIndex(kind));
   }

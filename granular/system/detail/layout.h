@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -50,38 +51,45 @@ struct OwnerNumbers {
   }
 };
 
-struct Owner {
-  OwnerKind kind = OwnerKind::Grain;
-  std::int32_t index = -1;                   ///< GrainId::index or BodyId::index
-  std::span<const ShapeParticle> particles;  ///< principal frame, before scale
-  std::span<const SurfacePiece> pieces;      ///< of a body, as Covering::pieces; may be empty
+/// What bodies have and grains have not.
+struct BodyTraits {
+  std::span<const SurfacePiece> pieces;      ///< as Covering::pieces; may be empty
   std::span<const std::int32_t> firstPiece;  ///< of particle i; one entry more than particles, or none
-  const ExactSurface* exact = nullptr;       ///< of a body that has one
+  const ExactSurface* exact = nullptr;       ///< if there is one
   Pose exactPose;                            ///< of its frame in the body frame
   ExactUse exactUse = ExactUse::Everything;
-  double scale = 1.0;
-  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic or asleep
-  Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
-  Vector3 inverseInertia = Vector3::Zero();
-  bool isotropic = false;
-  bool isSphere = false;  ///< a grain of one particle about the centre: its orientation places nothing
-  bool isLocked = false;  ///< some axis of rotation is
   Vector3 linearFactor = Vector3::Ones();
   Vector3 angularFactor = Vector3::Ones();
   Vector3 freeAxes = Vector3::Ones();  ///< 0 for a locked axis of rotation, else 1, world
-  double reach = 0.0;                  ///< farthest particle surface from the centre, m
-  std::int32_t material = -1;
-  ContactFilter filter;
-  std::int32_t firstRank = 0;
-  std::int32_t firstSlot = 0;
-  std::int32_t firstPatch = -1;  ///< -1: static
-  std::int32_t patchCount = 0;
 
   std::span<const SurfacePiece> piecesOf(std::int32_t local) const {
     if (pieces.empty()) return {};
     return pieces.subspan(firstPiece[local], firstPiece[local + 1] - firstPiece[local]);
   }
 };
+inline const BodyTraits kNoBody;
+
+struct Owner {
+  OwnerKind kind = OwnerKind::Grain;
+  bool isotropic = false;
+  bool isSphere = false;    ///< a grain of one particle about the centre: its orientation places nothing
+  bool isLocked = false;    ///< some axis of rotation is
+  std::int32_t index = -1;  ///< GrainId::index or BodyId::index
+  std::span<const ShapeParticle> particles;  ///< principal frame, before scale
+  const BodyTraits* body = &kNoBody;
+  double scale = 1.0;
+  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic or asleep
+  Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
+  Vector3 inverseInertia = Vector3::Zero();
+  double reach = 0.0;  ///< farthest particle surface from the centre, m
+  std::int32_t material = -1;
+  ContactFilter filter;
+  std::int32_t firstRank = 0;
+  std::int32_t firstSlot = 0;
+  std::int32_t firstPatch = -1;  ///< -1: static
+  std::int32_t patchCount = 0;
+};
+static_assert(sizeof(Owner) <= 144, "there is one for every grain");
 
 /// omega = R I^-1 R^T L, world, with locked axes left out; rad/s.
 inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientation,
@@ -89,7 +97,7 @@ inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientati
   if (owner.isotropic && !owner.isLocked) return owner.inverseInertia.x() * angularMomentum;
   const Vector3 own = orientation.conjugate() * angularMomentum;
   const Vector3 world = orientation * owner.inverseInertia.cwiseProduct(own);
-  return owner.isLocked ? Vector3(owner.freeAxes.cwiseProduct(world)) : world;
+  return owner.isLocked ? Vector3(owner.body->freeAxes.cwiseProduct(world)) : world;
 }
 
 /// A particle or exact surface as the pair laws tell it apart.
@@ -115,6 +123,7 @@ struct Layout {
   static constexpr std::int32_t kParticlesPerPatch = 64;
 
   std::vector<Owner> owners;
+  std::deque<BodyTraits> bodyTraits;  ///< of the bodies among them, which point here
   std::int32_t dynamicGrains = 0, dynamicBodies = 0, kinematicBodies = 0;
   std::int32_t firstSleeper = 0, sleepingGrains = 0;
   std::int32_t dynamicCount() const { return dynamicGrains + dynamicBodies; }

@@ -17,10 +17,10 @@ std::int32_t sleeperOf(const Layout& layout, std::int32_t owner) {
 }
 
 Vector3 netForceOn(const Owner& owner, const SleeperLoad& load) {
-  return owner.linearFactor.cwiseProduct(load.force + load.awakeForce) + load.hostLoad.force;
+  return owner.body->linearFactor.cwiseProduct(load.force + load.awakeForce) + load.hostLoad.force;
 }
 Vector3 netTorqueOn(const Owner& owner, const SleeperLoad& load) {
-  return owner.angularFactor.cwiseProduct(load.torque + load.awakeTorque) + load.hostLoad.torque;
+  return owner.body->angularFactor.cwiseProduct(load.torque + load.awakeTorque) + load.hostLoad.torque;
 }
 
 /// By how much a mean over `memory` seconds goes towards what has been for `passed` seconds.
@@ -86,7 +86,7 @@ Vector3 SleeperLoads::takeAwake(const Evaluation& evaluation) {
     load.awakeForce -= f.force;
     load.awakeTorque -= (f.point - evaluation.center(owner)).cross(f.force);
     load.awakeCarried += f.force.norm();
-    sum -= layout.owners[owner].linearFactor.cwiseProduct(f.force);
+    sum -= layout.owners[owner].body->linearFactor.cwiseProduct(f.force);
   });
   return sum;
 }

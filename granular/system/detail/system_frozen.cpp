@@ -92,7 +92,7 @@ void GranularSystem::Impl::sumFrozen() {
     const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
     weights.push_back(mass * pull);
     loads.push_back(isGrain ? Wrench{} : bodies[owner.index].load);
-    frozenTotals.potential -= mass * owner.linearFactor.cwiseProduct(pull).dot(evaluation.center(o));
+    frozenTotals.potential -= mass * owner.body->linearFactor.cwiseProduct(pull).dot(evaluation.center(o));
   }
   sleeperLoads.reset(evaluation, frozen, frozenEnds, weights, loads);
 }

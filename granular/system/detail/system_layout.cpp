@@ -103,11 +103,13 @@ std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
     owner.kind = OwnerKind::Body;
     owner.index = b;
     owner.particles = record.particles;
-    owner.pieces = record.covering.pieces;
-    owner.firstPiece = record.firstPiece;
-    if (record.exact) owner.exact = &*record.exact;
-    owner.exactPose = record.exactPose;
-    owner.exactUse = record.exactUse;
+    detail::BodyTraits& traits = layout.bodyTraits.emplace_back();
+    owner.body = &traits;
+    traits.pieces = record.covering.pieces;
+    traits.firstPiece = record.firstPiece;
+    if (record.exact) traits.exact = &*record.exact;
+    traits.exactPose = record.exactPose;
+    traits.exactUse = record.exactUse;
     owner.reach = record.reach;
     owner.material = record.material.index;
     owner.filter = record.filter;
@@ -116,10 +118,10 @@ std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
     owner.inertia = record.inertia;
     owner.inverseInertia = record.inertia.cwiseInverse();
     owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
-    owner.linearFactor = record.linearFactor;
-    owner.angularFactor = record.angularFactor;
-    owner.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
-    owner.isLocked = owner.freeAxes != Vector3::Ones();
+    traits.linearFactor = record.linearFactor;
+    traits.angularFactor = record.angularFactor;
+    traits.freeAxes = (record.angularFactor.array() != 0.0).cast<double>();
+    owner.isLocked = traits.freeAxes != Vector3::Ones();
   }
   return static_cast<std::int32_t>(layout.owners.size() - before);
 }

@@ -171,7 +171,7 @@ bool GranularSystem::Impl::wakeNearMoving() {
     const detail::Owner& owner = layout.owners[o];
     const Pose here{evaluation.center(o), Quaternion(evaluation.rotation(o))};
     std::optional<Pose>& guarded = guardedFrom[owner.index];
-    const bool isPlane = owner.exact && std::holds_alternative<HalfSpace>(*owner.exact);
+    const bool isPlane = owner.body->exact && std::holds_alternative<HalfSpace>(*owner.body->exact);
     if (guarded && !isPlane &&
         wayBetween(here, *guarded, owner.reach) <= 0.5 * kGuard * layout.smallestRadius) {
       continue;
@@ -195,7 +195,7 @@ bool GranularSystem::Impl::wakeNearMoving() {
 bool GranularSystem::Impl::movesUnfelt(std::int32_t o) const {
   const detail::Layout& layout = evaluation.layout();
   if (o < layout.dynamicGrains || o >= layout.movingCount()) return false;
-  if (o < layout.dynamicCount()) return layout.owners[o].exact != nullptr;
+  if (o < layout.dynamicCount()) return layout.owners[o].body->exact != nullptr;
   return isMoving(evaluation.surroundings().kinematic[o - layout.dynamicCount()]);
 }
 

@@ -163,7 +163,7 @@ void GranularSystem::Impl::addOwner(std::int32_t o, Totals& sum) const {
   const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
   const Vector3& pull = isGrain ? gravity : evaluation.surroundings().bodyGravity[o - layout.dynamicGrains];
   sum.kinetic += 0.5 * mass * velocity.squaredNorm() + 0.5 * motion.angularVelocity.dot(angularMomentum);
-  sum.potential -= mass * owner.linearFactor.cwiseProduct(pull).dot(position);
+  sum.potential -= mass * owner.body->linearFactor.cwiseProduct(pull).dot(position);
   sum.momentum += mass * velocity;
   sum.angularMomentum += mass * position.cross(velocity) + angularMomentum;
 }
