@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "granular/dynamics/runge_kutta.h"
 
+#include <algorithm>
+
 namespace granular {
 namespace {
 
 constexpr std::int64_t kNumbersPerPiece = 8192;  // of the state, handed to a thread at a time
+constexpr std::int64_t kNumbersAtOnce = 1024;    // that stay in the nearest cache from term to term
 
 }  // namespace
 
@@ -12,14 +15,19 @@ void RungeKutta::combine(const Executor& executor, const double* start, double h
                          std::vector<double>& out) const {
   const auto size = static_cast<std::int64_t>(out.size());
   executor.forRanges(size, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) out[i] = 0.0;
-    for (int s = 0; s < table_.stages; ++s) {
-      if (weights[s] == 0.0) continue;
-      const double w = weights[s];
-      const double* k = rate(s);
-      for (std::int64_t i = begin; i < end; ++i) out[i] += w * k[i];
+    double sums[kNumbersAtOnce];
+    for (std::int64_t from = begin; from < end; from += kNumbersAtOnce) {
+      const std::int64_t count = std::min(kNumbersAtOnce, end - from);
+      std::fill_n(sums, count, 0.0);
+      for (int s = 0; s < table_.stages; ++s) {
+        if (weights[s] == 0.0) continue;
+        const double w = weights[s];
+        const double* k = rate(s) + from;
+        for (std::int64_t i = 0; i < count; ++i) sums[i] += w * k[i];
+      }
+      double* to = out.data() + from;
+      for (std::int64_t i = 0; i < count; ++i) to[i] = start ? start[from + i] + h * sums[i] : h * sums[i];
     }
-    for (std::int64_t i = begin; i < end; ++i) out[i] = start ? start[i] + h * out[i] : h * out[i];
   });
 }
 
