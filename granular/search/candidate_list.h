@@ -22,6 +22,10 @@ struct SurfaceRow {
   Matrix3 rotation = Matrix3::Identity();  ///< from its own frame to the world
 
   SurfaceDistance distance(const Vector3& p) const {
+    if (std::holds_alternative<HalfSpace>(*shape)) {  // floors and walls: most of all contacts on surfaces
+      const Vector3 normal = rotation.col(1);
+      return {.distance = normal.dot(p - point), .normal = normal};
+    }
     SurfaceDistance at = surfaceDistance(*shape, rotation.transpose() * (p - point));
     at.normal = rotation * at.normal;
     return at;
