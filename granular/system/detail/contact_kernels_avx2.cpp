@@ -2,6 +2,7 @@
 // The kernels for processors with AVX2.
 #include "granular/system/detail/contact_kernels_body.h"
 #include "granular/system/detail/drift_kernel_body.h"
+#include "granular/system/detail/row_kernels_body.h"
 
 namespace granular::detail {
 

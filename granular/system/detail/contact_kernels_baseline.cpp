@@ -2,6 +2,7 @@
 // The kernels for every processor that the library is compiled for.
 #include "granular/system/detail/contact_kernels_body.h"
 #include "granular/system/detail/drift_kernel_body.h"
+#include "granular/system/detail/row_kernels_body.h"
 
 namespace granular::detail {
 
