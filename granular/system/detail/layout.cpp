@@ -25,6 +25,8 @@ double overhangOf(const Owner& owner) {
 
 }  // namespace
 
+const BodyTraits kNoBody;
+
 void Layout::finish(const std::vector<std::uint64_t>& excludedPairs) {
   particleCount = dynamicParticles = movingParticles = patchCount = 0;
   ownerOfSurface.clear();

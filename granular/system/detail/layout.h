@@ -67,7 +67,7 @@ struct BodyTraits {
     return pieces.subspan(firstPiece[local], firstPiece[local + 1] - firstPiece[local]);
   }
 };
-inline const BodyTraits kNoBody;
+extern const BodyTraits kNoBody;  ///< of every grain
 
 struct Owner {
   OwnerKind kind = OwnerKind::Grain;
