@@ -18,6 +18,7 @@ namespace {
 const Vector3 kAnyDirection = Vector3::UnitY();
 
 constexpr std::int32_t kContactsPerRun = 256;  // handed to a kernel at a time, at most
+constexpr std::size_t kOpenRuns = 8;
 
 }  // namespace
 
@@ -242,36 +243,51 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
 }
 
 /// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
+/// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
+/// in vain.
 void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& arrays, const double* y,
                                       double* rate) {
   struct Run {
     PairRule rule{};
+    bool onSurfaces = false;
     std::int32_t count = 0;
     std::array<std::int32_t, kContactsPerRun> which;
   };
   Extremes& extremes = extremesInPiece_[piece];
   extremes = {};
-  std::array<Run, 2> runs;  // of two particles; on surfaces
+  std::array<Run, kOpenRuns> runs;
   const auto finish = [&](Run& run) {
     forcesOfRun({.pair = run.rule.pair,
                  .ofBodies = run.rule.ofBodies,
-                 .onSurfaces = &run == &runs.back(),
+                 .onSurfaces = run.onSurfaces,
                  .which = std::span(run.which).first(run.count)},
                 arrays, y, rate, extremes);
     run.count = 0;
   };
   const ContactRange range = contactsOfPiece(piece);
+  std::size_t open = 0, current = 0;
   for (std::int32_t n = range.first; n < range.last; ++n) {
-    Run& run = runs[contacts_[n].slot2 >= layout_.particleCount];
-    if (run.count == kContactsPerRun) finish(run);
-    if (run.count == 0 || !isUniform_) {
-      const PairRule rule = ruleOf(contacts_[n]);
-      if (rule != run.rule) finish(run);
-      run.rule = rule;
+    const bool onSurfaces = contacts_[n].slot2 >= layout_.particleCount;
+    const PairRule rule = ruleOf(contacts_[n]);
+    const auto fits = [&](const Run& run) { return run.onSurfaces == onSurfaces && run.rule == rule; };
+    if (open == 0 || !fits(runs[current])) {
+      current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
+      if (current == open) {
+        if (open == kOpenRuns) {
+          current = n % kOpenRuns;
+          finish(runs[current]);
+        } else {
+          ++open;
+        }
+        runs[current].rule = rule;
+        runs[current].onSurfaces = onSurfaces;
+      }
     }
+    Run& run = runs[current];
     run.which[run.count++] = n;
+    if (run.count == kContactsPerRun) finish(run);
   }
-  for (Run& run : runs) finish(run);
+  for (std::size_t k = 0; k < open; ++k) finish(runs[k]);
 }
 
 void Evaluation::sumUpExtremes() {
