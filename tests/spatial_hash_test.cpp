@@ -123,6 +123,23 @@ TEST(SpatialHash, ChangesNothingWhenParticlesStayInTheirVoxels) {
   EXPECT_TRUE(hash.x()[0] == 0.3 || hash.x()[1] == 0.3) << "but where they are";
 }
 
+// Otherwise a scene that blows up would not end: voxels between its pieces are more than can be walked
+// through.
+TEST(SpatialHash, ReadsNoMoreRunsThanThereAreVoxelsWhereverThingsAre) {
+  Random random(5);
+  Points points(100, 3.0, random);
+  for (int i = 0; i < 3; ++i)
+    points.rows[i].x = points.rows[i].y = (i - 1) * 1e90, points.rows[i].z = i * 1e30;
+  SpatialHash hash;
+  points.placeIn(hash);
+  SpatialHash::Cursors cursors;
+  std::vector<SpatialHash::Run> runs;
+  const Box all{Vector3::Constant(-1e100), Vector3::Constant(1e100)};
+  hash.findRuns(all, 0.1, cursors, runs);
+  EXPECT_LE(static_cast<std::int32_t>(runs.size()), hash.voxelCount());
+  EXPECT_EQ(found(hash, all, 0.1).size(), points.rows.size());
+}
+
 TEST(SpatialHash, SurvivesPositionsBeyondAllReason) {
   Random random(10);
   Points points(500, 1.2, random);

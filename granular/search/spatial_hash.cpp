@@ -195,6 +195,12 @@ void SpatialHash::findRuns(const Box& box, double reach, Cursors& cursors, std::
       isOutside |= low[axis] > high[axis];
     }
     if (isOutside) continue;
+    // More rows than voxels: things that blew up, and share the last voxels, are far apart. All of the level.
+    const std::int64_t rows = (std::int64_t{high[1]} - low[1] + 1) * (std::int64_t{high[2]} - low[2] + 1);
+    if (rows > level.end - level.begin) {
+      runs.push_back({voxelBegin_[level.begin], voxelBegin_[level.end]});
+      continue;
+    }
     const Key length = static_cast<Key>(high[0] - low[0]);
     for (Cell cell = low; cell[2] <= high[2]; ++cell[2]) {
       for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {

@@ -38,7 +38,7 @@ class SpatialHash {
     std::span<const std::int32_t> rank;
     std::int32_t firstSlot = 0;  ///< of particle 0
   };
-  /// Particles [begin, end) in the order of the hash, all of one row of voxels.
+  /// Particles [begin, end) in the order of the hash: of a row of voxels, or of a whole level.
   struct Run {
     std::int32_t begin, end;
   };
@@ -77,7 +77,7 @@ class SpatialHash {
     std::array<Row, 256> at_;
   };
   /// Adds runs in which all particles are whose reach and `reach` (m) together reach into the box, and
-  /// others.
+  /// others: no more runs than voxels, wherever things are.
   void findRuns(const Box& box, double reach, Cursors& cursors, std::vector<Run>& runs) const;
 
   /// Border crossings since reset.
