@@ -28,7 +28,7 @@ TEST(InverseFifthRoot, IsOneOverTheFifthRootAtEveryMagnitude) {
 TEST(InverseFifthRoot, OfAPackHasTheBitsOfEachNumber) {
   Random random(5);
   for (int i = 0; i < 1000; ++i) {
-    const Pack x = packOf([&](int) { return std::exp(random.uniform(-80.0, 80.0)); });
+    const Pack x = Pack([&](int) { return std::exp(random.uniform(-80.0, 80.0)); });
     const Pack roots = inverseFifthRoot(x);
     for (int lane = 0; lane < kPackSize; ++lane) EXPECT_EQ(roots[lane], inverseFifthRoot<double>(x[lane]));
   }

@@ -71,7 +71,7 @@ struct Pack {
   }
   Pack(const Half& a, const Half& b) : low(a), high(b) {}
   Pack(double all) : low(all - Half{}), high(low) {}
-  /// of(lane) in every lane.
+  /// of(lane) in every lane, lane = 0 ... kPackSize - 1.
   template <class Function>
   requires std::is_invocable_r_v<double, Function, int>
   explicit Pack(Function&& of) {
@@ -174,16 +174,6 @@ Real inverseFifthRootGuess(const Real& x) {
 }
 
 }  // namespace detail
-
-inline namespace GRANULAR_ISA {
-
-/// A pack of of(lane), lane = 0 ... kPackSize - 1.
-template <class Function>
-Pack packOf(Function&& of) {
-  return Pack(of);
-}
-
-}  // namespace GRANULAR_ISA
 
 /// x^(-1/5), x > 0 and no denormal: Newton's iteration, which costs neither divisions nor a library's pow,
 /// whose bits differ between libraries. To 4e-16 or so.

@@ -24,8 +24,9 @@ struct ContactArrays {
   std::int32_t dynamicParticles = 0;       ///< have rows of candidates
   const ParticleRow* particles = nullptr;  ///< [slot]
   const OwnerRow* owners = nullptr;        ///< [place]
-  const ParticleRow* balls = nullptr;  ///< [place] centre and reach; of what moves where it is more than...
-  bool movesOnlySpheres = false;       ///< ...spheres: these are their own balls, and slots are places
+  /// [place] centre and reach. Not of what moves where that is spheres only: their particles are these balls.
+  const ParticleRow* balls = nullptr;
+  bool movesOnlySpheres = false;
   const std::int32_t* placeOfSlot = nullptr;     ///< place of the owner
   const double* surfaceInverseRadius = nullptr;  ///< [surface], 1/m; 0: no sphere, counts as flat
   // The candidate list.
@@ -61,8 +62,8 @@ using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row
 struct ContactRun {
   const MaterialPair* pair;
   bool ofBodies;
-  /// Round particles on exact surfaces: where they meet is in `forces` already, as SurfaceMeeting has it.
-  /// Else both are round particles.
+  /// Round particles on exact surfaces: where they meet is in `forces` already, as surfaceMeeting() leaves
+  /// it. Else both are round particles.
   bool onSurfaces;
   std::span<const std::int32_t> which;
 };

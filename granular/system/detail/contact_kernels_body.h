@@ -70,7 +70,7 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
                                 const ShearConstantsOf<Pack>& shear, ContactGeometryOf<Pack>& g) {
   static constexpr std::array<double, 3> kNothing = {};
   const auto remembered = [&](int axis) {
-    return packOf([&](int lane) {
+    return Pack([&](int lane) {
       return (entry[lane] < 0 ? kNothing.data() : arrays.displacements + 3 * entry[lane])[axis];
     });
   };
@@ -79,7 +79,7 @@ Vector3Of<Pack> displacementsOf(const ContactArrays& arrays, const Entries& entr
     g.slides.set(lane, entry[lane] >= 0 && arrays.memory[entry[lane]].slides);
   }
   g.stiffnessBefore =
-      packOf([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
+      Pack([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
   g.memoryStep = select(g.isNew, Pack(0.0), arrays.at.memoryStep);
   // Begun within this trial: it has slid since its overlap was zero.
   const Pack xiDot = g.V.dot(g.N);
@@ -152,8 +152,8 @@ PackMeeting meetingOf(const ContactArrays& arrays, const PackContacts& pack, boo
         packsOf([&](int lane) { return arrays.forces[pack.contact[lane]].force.data(); });
     const FourPacks<Pack> place =
         packsOf([&](int lane) { return arrays.forces[pack.contact[lane]].point.data(); });
-    const Pack inverseRadius = packOf(
-        [&](int lane) { return arrays.surfaceInverseRadius[pack.slot2[lane] - arrays.particleCount]; });
+    const Pack inverseRadius =
+        Pack([&](int lane) { return arrays.surfaceInverseRadius[pack.slot2[lane] - arrays.particleCount]; });
     g.N = {way.first, way.second, way.third};
     g.share = way.fourth;
     g.point = {place.first, place.second, place.third};
@@ -239,7 +239,7 @@ template <class Normal, class Shear>
 
   packed.urgency = max(packed.urgency, ifTouching(Normal::urgency(normal, g.xi, Pack(g.V.dot(g.N)))));
   packed.overlap = max(packed.overlap, g.xi / meeting.smallerRadius);
-  const auto counts = touches && packOf([](int lane) { return double(lane); }) < Pack(double(count));
+  const auto counts = touches && Pack([](int lane) { return double(lane); }) < Pack(double(count));
   packed.contacts = packed.contacts + select(counts, Pack(1.0), 0.0);
   packed.pushing = packed.pushing + select(counts && result.normalForce != 0.0, Pack(1.0), 0.0);
 }

@@ -48,7 +48,7 @@ struct PackHalfTurn {
     const FourPacks<Pack> position = posesOf(0), q = posesOf(3);
     const FourPacks<Pack> linear = momentaOf(arrays.momenta, 0), angular = momentaOf(arrays.momenta, 2);
     const FourPacks<Pack> pull = momentaOf(arrays.rates, 0), twist = momentaOf(arrays.rates, 2);
-    const Pack inverseInertia = packOf([&](int lane) { return arrays.inverseInertia[at(lane)]; });
+    const Pack inverseInertia = Pack([&](int lane) { return arrays.inverseInertia[at(lane)]; });
     const Vector3Of<Pack> v{linear.first, linear.second, linear.third};
     const Vector3Of<Pack> L{angular.second, angular.third, angular.fourth};
     const FourPacks<Pack> torque{twist.second, twist.third, twist.fourth, twist.first};

@@ -47,6 +47,7 @@ struct alignas(32) ListedRow {
   double x, y, z;        ///< m, world
   double marginSquared;  ///< m^2
 };
+
 class Evaluation {
  public:
   Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
