@@ -5,6 +5,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "granular/base/room.h"
+
 namespace granular {
 namespace {
 
@@ -93,6 +95,9 @@ void CandidateList::place(const SearchInput& input, const Executor& executor) {
 void CandidateList::searchPiece(std::int32_t begin, std::int32_t end, const SearchInput& input,
                                 Piece& piece) const {
   Cursors cursors;
+  const std::int32_t particles = moving_.voxelBegin(end) - moving_.voxelBegin(begin);
+  makeRoom(piece.slots, particles);
+  makeRoom(piece.counts, particles);
   if (!input.surfaces.empty()) {
     findSurfaces(groupIn(begin, end, input), input, allSurfaces_, piece.surfaces);
   }
@@ -163,6 +168,7 @@ void CandidateList::searchParticle(std::int32_t at, const SearchInput& input, Pi
   });
   std::sort(first, last);
   const std::size_t before = piece.partners.size();
+  makeRoom(piece.partners, before + (last - first) + piece.nearSurfaces.size());
   std::transform(first, last, std::back_inserter(piece.partners), SpatialHash::slotOf);
   for (const std::int32_t s : piece.nearSurfaces) {
     const std::int32_t surfaceSlot = static_cast<std::int32_t>(input.particles.size()) + s;
@@ -184,7 +190,7 @@ void CandidateList::joinRows(const SearchInput& input, const Executor& executor)
     for (std::size_t r = 0; r < piece.slots.size(); ++r) rowStart_[piece.slots[r] + 1] = piece.counts[r];
   }
   for (std::int32_t i = 0; i < input.dynamicCount; ++i) rowStart_[i + 1] += rowStart_[i];
-  partner_.resize(rowStart_.back());
+  resizeAnew(partner_, rowStart_.back());
   executor.forPieces(static_cast<std::int32_t>(pieces_.size()), [&](std::int32_t p) {
     const Piece& piece = pieces_[p];
     auto from = piece.partners.begin();
@@ -199,21 +205,22 @@ void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& i
                                  std::span<const std::int32_t> patchOfSlot, std::int32_t patchCount) {
   const auto rowStart = list.rowStart();
   const auto partner = list.partner();
-  start_.assign(patchCount + 1, 0);
+  // Two places ahead are the counts, one ahead the sums of those before: where the next entry goes.
+  start_.assign(patchCount + 2, 0);
   for (const std::int32_t slot : partner) {
     const std::int32_t patch = patchOfSlot[slot];
-    if (patch >= 0) ++start_[patch + 1];
+    if (patch >= 0) ++start_[patch + 2];
   }
-  for (std::int32_t p = 0; p < patchCount; ++p) start_[p + 1] += start_[p];
-  entries_.resize(start_.back());
-  cursor_.assign(start_.begin(), start_.end() - 1);
+  for (std::int32_t p = 0; p < patchCount; ++p) start_[p + 2] += start_[p + 1];
+  resizeAnew(entries_, start_.back());
   for (std::int32_t rank = 0; rank < input.dynamicCount; ++rank) {
     const std::int32_t i = input.slotOfRank[rank];
     for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
       const std::int32_t patch = patchOfSlot[partner[c]];
-      if (patch >= 0) entries_[cursor_[patch]++] = c;
+      if (patch >= 0) entries_[start_[patch + 1]++] = c;
     }
   }
+  start_.pop_back();
 }
 
 }  // namespace granular

@@ -159,7 +159,7 @@ class CandidateIncidence {
   }
 
  private:
-  std::vector<std::int32_t> start_, cursor_, entries_;
+  std::vector<std::int32_t> start_, entries_;
 };
 
 }  // namespace granular

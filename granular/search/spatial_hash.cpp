@@ -96,31 +96,38 @@ void SpatialHash::place(const Input& input, const Executor& executor) {
 void SpatialHash::findMoved(const Input& input, const Executor& executor) {
   const auto count = static_cast<std::int32_t>(input.particles.size());
   keys_.resize(count, ~Key{0});
-  keysNow_.resize(count);
+  hasMoved_.resize(count);
   executor.forRanges(count, kParticlesPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::int32_t>(begin); i < end; ++i) {
-      keysNow_[i] = keyOf(input.particles[i], reachOf(input, i));
+      const Key key = keyOf(input.particles[i], reachOf(input, i));
+      hasMoved_[i] = key != keys_[i];
+      keys_[i] = key;
     }
   });
   moved_.clear();
+  if (order_.empty()) moved_.reserve(count);
   for (std::int32_t i = 0; i < count; ++i) {
-    if (keysNow_[i] != keys_[i]) moved_.emplace_back(keysNow_[i], i);
+    if (hasMoved_[i]) moved_.push_back(i);
   }
-  keys_.swap(keysNow_);
+}
+
+bool SpatialHash::isBefore(std::int32_t i, std::int32_t j) const {
+  return keys_[i] != keys_[j] ? keys_[i] < keys_[j] : i < j;
 }
 
 /// Takes those that moved out of the order and puts them where they belong.
 void SpatialHash::mergeMoved() {
   if (moved_.empty()) return;
-  std::sort(moved_.begin(), moved_.end());
+  std::sort(moved_.begin(), moved_.end(), [&](std::int32_t i, std::int32_t j) { return isBefore(i, j); });
   if (order_.empty()) return order_.swap(moved_);
   moves_ += static_cast<std::int64_t>(moved_.size());
   merged_.clear();
+  merged_.reserve(order_.size());
   auto next = moved_.begin();
-  for (const Entry& entry : order_) {
-    if (entry.first != keys_[entry.second]) continue;
-    while (next != moved_.end() && *next < entry) merged_.push_back(*next++);
-    merged_.push_back(entry);
+  for (const std::int32_t i : order_) {
+    if (hasMoved_[i]) continue;
+    while (next != moved_.end() && isBefore(*next, i)) merged_.push_back(*next++);
+    merged_.push_back(i);
   }
   merged_.insert(merged_.end(), next, moved_.end());
   order_.swap(merged_);
@@ -131,7 +138,7 @@ void SpatialHash::copyInOrder(const Input& input, const Executor& executor) {
   tag_.resize(order_.size());
   executor.forRanges(size(), kParticlesPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t at = begin; at < end; ++at) {
-      const std::int32_t i = order_[at].second;
+      const std::int32_t i = order_[at];
       const ParticleRow& row = input.particles[i];
       x_[at] = row.x, y_[at] = row.y, z_[at] = row.z;
       reach_[at] = reachOf(input, i);
@@ -147,7 +154,7 @@ void SpatialHash::measureLevels() {
   levels_.fill({});
   for (Level& level : levels_) level.lowest.fill(kLastCell);
   for (std::int32_t at = 0; at < size(); ++at) {
-    const Key key = order_[at].first;
+    const Key key = keys_[order_[at]];
     Level& level = levels_[key >> 3 * kBits];
     level.largestReach = std::max(level.largestReach, reach_[at]);
     if (!voxels_.empty() && voxels_.back() == key) continue;

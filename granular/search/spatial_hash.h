@@ -14,7 +14,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "granular/base/parallel.h"
@@ -86,7 +85,6 @@ class SpatialHash {
  private:
   using Key = std::uint64_t;  // level and z, y, x of the voxel
   using Cell = std::array<std::int32_t, 3>;
-  using Entry = std::pair<Key, std::int32_t>;  // and particle
   static constexpr int kLevels = 16;
   struct Level {
     std::int32_t begin = 0, end = 0;  // voxels
@@ -98,6 +96,7 @@ class SpatialHash {
   int levelOf(double reach) const;
   std::int32_t cellAt(int level, int axis, double at) const;
   Key keyOf(const ParticleRow& row, double reach) const;
+  bool isBefore(std::int32_t i, std::int32_t j) const;
   void findMoved(const Input& input, const Executor& executor);
   void mergeMoved();
   void copyInOrder(const Input& input, const Executor& executor);
@@ -108,8 +107,10 @@ class SpatialHash {
   double edge_ = 1.0;  // of voxels of level 0, m
   double typicalReach_ = 1.0;
   std::array<double, kLevels> inverseEdge_{};
-  std::vector<Key> keys_, keysNow_;  // of particle i, so that staying put is one comparison
-  std::vector<Entry> order_, moved_, merged_;
+  // By particle: its voxel, so that staying put is one comparison, and whether it has just left another.
+  std::vector<Key> keys_;
+  std::vector<std::uint8_t> hasMoved_;
+  std::vector<std::int32_t> order_, moved_, merged_;  // particles by voxel, in a voxel by number
   std::vector<Key> voxels_;
   std::vector<std::int32_t> voxelBegin_;  // one entry more than voxels
   std::array<Level, kLevels> levels_;

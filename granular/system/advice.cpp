@@ -49,22 +49,15 @@ struct Side {
 };
 
 std::vector<Side> sidesOf(const detail::Layout& layout) {
-  std::vector<Side> sides(layout.kinds.size());
-  const auto note = [&](std::int32_t kind, std::int32_t owner, bool isSurface) {
-    Side& side = sides[kind];
-    side.kind = layout.kinds[kind];
-    side.hasMoreOwners |= side.owner >= 0 && side.owner != owner;
-    if (side.owner < 0) side.owner = owner;
+  std::vector<Side> sides;
+  std::map<detail::ParticleKind, std::size_t> known;
+  layout.forEachKind([&](const detail::ParticleKind& kind, std::int32_t owner, bool isSurface) {
+    const auto [found, isNew] = known.try_emplace(kind, sides.size());
+    if (isNew) sides.push_back({.kind = kind, .owner = owner});
+    Side& side = sides[found->second];
+    side.hasMoreOwners |= side.owner != owner;
     side.isSurface = isSurface;
-  };
-  for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
-    const auto count = static_cast<std::int32_t>(layout.owners[o].particles.size());
-    for (std::int32_t k = 0; k < count; ++k)
-      note(layout.kindOfRank[layout.owners[o].firstRank + k], o, false);
-  }
-  for (std::int32_t s = 0; s < layout.surfaceCount(); ++s) {
-    note(layout.kindOfRank[layout.particleCount + s], layout.ownerOfSurface[s], true);
-  }
+  });
   return sides;
 }
 

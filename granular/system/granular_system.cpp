@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "granular/base/require.h"
+#include "granular/base/room.h"
 #include "granular/system/detail/system_impl.h"
 
 namespace granular {
@@ -146,6 +147,8 @@ GrainId GranularSystem::addGrain(const GrainDef& def) {
   const GrainShape& shape = s.shapes[def.shape.index];
   std::int32_t index = static_cast<std::int32_t>(s.grains.size());
   if (s.freeGrains.empty()) {
+    makeRoom(s.grains, s.grains.size() + 1);
+    makeRoom(s.grainMotions, s.grains.size() + 1);
     s.grains.emplace_back();
     s.grainMotions.emplace_back();
   } else {
@@ -158,7 +161,6 @@ GrainId GranularSystem::addGrain(const GrainDef& def) {
             .material = def.material,
             .scale = def.scale,
             .mass = density * shape.volume * std::pow(def.scale, 3),
-            .inertia = density * std::pow(def.scale, 5) * shape.unitInertia,
             .filter = def.filter,
             .generation = record.generation,
             .alive = true,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <string>
 
 #include "granular/base/random.h"
 
@@ -64,6 +65,19 @@ std::int64_t residentBytes() {
   std::int64_t size = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> size >> resident;
   return resident * sysconf(_SC_PAGESIZE);
+}
+
+std::int64_t peakBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string field;
+  std::int64_t kilobytes = 0;
+  while (status >> field && field != "VmHWM:") continue;
+  status >> kilobytes;
+  return 1024 * kilobytes;
+}
+
+void forgetPeak() {
+  std::ofstream("/proc/self/clear_refs") << 5;
 }
 
 }  // namespace granular_bench

@@ -25,7 +25,9 @@ struct LatticeScene {
 /// R = 2.5 mm within 5 %, 2500 kg/m^3, E = 10 MPa, mu = 0.5, e = 0.5; about three contacts a sphere.
 LatticeScene makeLattice(const LatticeDef& def);
 
-/// Resident memory of this process, bytes (Linux).
+/// Resident memory of this process, now and at most since forgetPeak(), bytes (Linux).
 std::int64_t residentBytes();
+std::int64_t peakBytes();
+void forgetPeak();
 
 }  // namespace granular_bench

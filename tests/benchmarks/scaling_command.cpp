@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "tests/benchmarks/commands.h"
@@ -21,6 +23,8 @@ struct ScalingOptions {
   int threads = 2;
   int repeats = 5;
   double speed = 0.05;  // m/s
+  granular::Stepper stepper = granular::Stepper::Verlet;
+  granular::ShearLaw shear = granular::ShearLaw::RegularisedCoulomb;
 };
 
 constexpr double kStep = 4e-5;                      // s
@@ -45,19 +49,30 @@ std::vector<double> timesOf(granular::GranularSystem& system, std::int64_t parti
 void line(const ScalingOptions& options, std::int64_t particles, int threads) {
   malloc_trim(0);
   const std::int64_t before = residentBytes();
-  LatticeScene scene = makeLattice({.spheres = particles, .speed = options.speed, .threads = threads});
+  forgetPeak();
+  const auto start = std::chrono::steady_clock::now();
+  LatticeScene scene = makeLattice({.spheres = particles,
+                                    .speed = options.speed,
+                                    .integrator = {.stepper = options.stepper, .fixedSubStep = kStep},
+                                    .shear = options.shear,
+                                    .threads = threads});
+  scene.system.measure();
+  const std::chrono::duration<double> setUp = std::chrono::steady_clock::now() - start;
   const std::vector<double> times = timesOf(scene.system, particles, options.repeats);
   const granular::StepReport report = scene.system.measure();
-  std::printf("%10lld %8d %12.1f (%.1f to %.1f) %14.2f %14.0f\n", static_cast<long long>(particles), threads,
-              times[times.size() / 2], times.front(), times.back(),
-              2.0 * static_cast<double>(report.contacts) / static_cast<double>(particles),
-              static_cast<double>(residentBytes() - before) / static_cast<double>(particles));
+  const auto each = [&](std::int64_t bytes) {
+    return static_cast<double>(bytes - before) / static_cast<double>(particles);
+  };
+  std::printf("%10lld %8d %12.1f (%.1f to %.1f) %14.2f %11.0f %9.0f %9.2f\n",
+              static_cast<long long>(particles), threads, times[times.size() / 2], times.front(),
+              times.back(), 2.0 * static_cast<double>(report.contacts) / static_cast<double>(particles),
+              each(residentBytes()), each(peakBytes()), setUp.count());
   std::fflush(stdout);
 }
 
 void runScaling(const ScalingOptions& options) {
-  std::printf("%10s %8s %29s %14s %14s\n", "particles", "threads", "ns a particle and step", "contacts each",
-              "bytes each");
+  std::printf("%10s %8s %29s %14s %11s %9s %9s\n", "particles", "threads", "ns a particle and step",
+              "contacts each", "bytes each", "at most", "set-up s");
   for (std::int64_t particles = 1'000; particles <= options.most;
        particles *= particles < 1'000'000 ? 10 : 4) {
     line(options, particles, 1);
@@ -80,6 +95,15 @@ void addScalingCommand(CLI::App& app, int& status) {
   command->add_option("--repeats", options->repeats, "times of which the median is printed")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  const std::map<std::string, granular::Stepper> steppers = {{"verlet", granular::Stepper::Verlet},
+                                                             {"leapfrog", granular::Stepper::Leapfrog},
+                                                             {"rkf45", granular::Stepper::Rkf45}};
+  command->add_option("--stepper", options->stepper, "how they step, 4e-5 s at a time")
+      ->transform(CLI::CheckedTransformer(steppers));
+  const std::map<std::string, granular::ShearLaw> laws = {{"18", granular::ShearLaw::RegularisedCoulomb},
+                                                          {"19", granular::ShearLaw::StaticFriction}};
+  command->add_option("--law", options->shear, "equation of the friction")
+      ->transform(CLI::CheckedTransformer(laws));
   command->callback([options, &status] {
     runScaling(*options);
     status = 0;

@@ -12,9 +12,6 @@ namespace {
 // How much is handed to a thread at a time. Fixed, so that pieces are the same for any number of threads.
 constexpr std::int32_t kOwnersPerPiece = 256;
 
-// Up to this many kinds of particles the pair laws are a table over pairs of kinds (1 MB).
-constexpr std::size_t kKindsInTable = 64;
-
 }  // namespace
 
 void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
@@ -30,14 +27,13 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
     surfaceInverseRadius_.push_back(ball ? 1.0 / ball->radius : 0.0);
   }
   memory_.clear();
-  patchWrenches_.assign(layout_.patchCount, PatchWrench{});
+  patchWrenches_.assign(layout_.movesOnlySpheres ? 0 : layout_.patchCount, PatchWrench{});
   rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
   list_.reset();
   listIsCurrent_ = false;
-  placesAreSorted_ = false;
-  lawsByKind_ = layout_.kinds.size() <= kKindsInTable;
+  rebuildsSinceSort_ = 0;
   noteLaws();
-  if (lawsByKind_) makePairLaws();
+  makePairLaws();
   placeFixed();
 }
 
@@ -117,7 +113,7 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .slotOfPatch = layout_.slotOfPatch.data(),
           .incidenceStart = incidence_.starts().data(),
           .incidenceEntries = incidence_.entries().data(),
-          .wrenches = patchWrenches_.data()};
+          .wrenches = wrenchesOfPatches().data()};
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
@@ -236,13 +232,14 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vecto
 /// Of the owners in places [begin, end): gravity, loads and contacts, whose sums are there.
 void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
                                       bool poseRates, std::vector<double>& rate) {
+  const std::vector<PatchWrench>& wrenches = wrenchesOfPatches();
   for (std::int32_t place = begin; place < end; ++place) {
     const std::int32_t o = layout_.ownerOfPlace[place];
     PatchWrench contact;
     for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1]; ++patch) {
-      contact.force += patchWrenches_[patch].force;
-      contact.torque += patchWrenches_[patch].torque;
-      contact.dissipation += patchWrenches_[patch].dissipation;
+      contact.force += wrenches[patch].force;
+      contact.torque += wrenches[patch].torque;
+      contact.dissipation += wrenches[patch].dissipation;
     }
     heatOfOwner_[o] = contact.dissipation;
     if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);

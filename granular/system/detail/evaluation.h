@@ -78,7 +78,7 @@ class Evaluation {
   /// they pull.
   void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
 
-  /// Whether owners have moved so far through memory's order that a new one pays.
+  /// Whether owners have moved so far from where their rows lie that a new order pays.
   bool isSortDue() const;
   /// Places of dynamic owners follow the cells that the state y says. Returns, for every place, which one its
   /// owner had before: y and what goes with it lie in that order still.
@@ -169,6 +169,10 @@ class Evaluation {
     const bool isSphere = layout_.movesOnlySpheres && place < layout_.dynamicCount();
     return isSphere ? particles_[layout_.slotOfPlace[place]] : balls_[place];
   }
+  /// Where only spheres move, a row is a patch, whose sum takes the place of the row's own.
+  std::vector<PatchWrench>& wrenchesOfPatches() {
+    return layout_.movesOnlySpheres ? rowWrenches_ : patchWrenches_;
+  }
   /// How fast any point of the owner in this place may be, at most, m/s.
   double fastestPoint(std::int32_t place) const {
     const OwnerRow& row = owners_[place];
@@ -176,7 +180,7 @@ class Evaluation {
   }
   PairLaw pairLaw(const Contact& contact) const;
   double givenDamping(const Contact& contact) const;
-  PairLaw makeLaw(std::int32_t kindA, std::int32_t kindB) const;
+  PairLaw makeLaw(const ParticleKind& a, const ParticleKind& b) const;
   void noteLaws();
   void placeSurface(std::int32_t s);
   double surfaceMove(std::int32_t s) const;
@@ -232,14 +236,12 @@ class Evaluation {
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
   std::int64_t evaluationsAtRebuild_ = 0;
-  bool placesAreSorted_ = false;
   bool listIsOld_ = false;
   double margin_ = 0.15;  // mean of margins_, in smallest radii; it adapts
 
-  bool lawsByKind_ = true;  // few kinds: a table; many (polydisperse): made where one is asked for
-  std::vector<PairLaw> pairLaws_;
-  bool isUniform_ = false;  // all grains, all of one material: one rule
-  bool hasMemory_ = false;  // some pair remembers: otherwise nothing is stored for it
+  std::vector<PairLaw> pairLaws_;  // of any two kinds; none where there are many: made where one is asked for
+  bool isUniform_ = false;         // all grains, all of one material: one rule
+  bool hasMemory_ = false;         // some pair remembers: otherwise nothing is stored for it
 
   std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
   std::vector<ContactForce> forces_;
@@ -248,8 +250,8 @@ class Evaluation {
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
   std::vector<StageSeconds> secondsInPiece_;
-  std::vector<PatchWrench> rowWrenches_;  // by dynamic slot
-  std::vector<PatchWrench> patchWrenches_;
+  std::vector<PatchWrench> rowWrenches_;    // by dynamic slot
+  std::vector<PatchWrench> patchWrenches_;  // as wrenchesOfPatches()
 
   std::vector<MemoryEntry> memory_;           // as contacts lie; entry m is at stateSize() + 3 m of y
   std::vector<MemoryEntry> memoryBefore_;     // of the sub-step before

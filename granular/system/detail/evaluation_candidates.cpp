@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "granular/base/room.h"
 #include "granular/system/detail/evaluation.h"
 #include "granular/system/detail/stage_tools.h"
 
@@ -97,51 +98,29 @@ void Evaluation::chooseMargins() {
 }
 
 bool Evaluation::isSortDue() const {
-  return !placesAreSorted_ || rebuildsSinceSort_ > kRebuildsPerSort;
+  return rebuildsSinceSort_ > kRebuildsPerSort;
 }
 
 std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
-  placesAreSorted_ = true;
   rebuildsSinceSort_ = 0;
   listIsCurrent_ = false;
   const std::int32_t dynamic = layout_.dynamicCount();
-  // Cells of a few grains, walked in Z-order (Morton 1966): neighbours in space become neighbours in memory.
-  const double edge = 4.0 * layout_.largestRadius;
-  const auto spread = [](std::uint64_t v) {  // 21 bits, two zero bits between each
-    v &= 0x1fffff;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-  };
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(dynamic);
-  for (std::int32_t o = 0; o < dynamic; ++o) {
-    std::uint64_t key = 0;
-    const auto center = layout_.numbersOf(o, y.data()).position();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::clamp(std::floor(center[axis] / edge) + 0x100000, 0.0, double{0x1fffff});
-      key |= spread(static_cast<std::uint64_t>(cell)) << axis;
-    }
-    keyed[o] = {key, o};
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::int32_t> order(dynamic);
-  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
-
-  const std::vector<ParticleRow> before = particles_;
-  const std::vector<std::int32_t> slotBefore = layout_.slotOfRank, placeBefore = layout_.placeOfOwner;
-  const std::vector<OwnerRow> ownersBefore = owners_;
-  const std::vector<ParticleRow> ballsBefore = balls_;
-  layout_.assignSlots(std::move(order));
-  for (std::int32_t rank = 0; rank < layout_.particleCount; ++rank) {
-    particles_[layout_.slotOfRank[rank]] = before[slotBefore[rank]];
-  }
+  const std::vector<std::int32_t> placeBefore = layout_.placeOfOwner, slotBefore = layout_.slotOfPlace;
+  layout_.sortPlaces([&](std::int32_t o) { return layout_.numbersOf(o, y.data()).position(); });
   std::vector<std::int32_t> from(dynamic);
   for (std::int32_t place = 0; place < dynamic; ++place) {
     from[place] = placeBefore[layout_.ownerOfPlace[place]];
-    owners_[place] = ownersBefore[from[place]];
-    balls_[place] = ballsBefore[from[place]];
+  }
+  const auto reorder = [&](auto& rows) {
+    const std::vector before(rows.begin(), rows.begin() + dynamic);
+    for (std::int32_t place = 0; place < dynamic; ++place) rows[place] = before[from[place]];
+  };
+  reorder(owners_);
+  if (!layout_.movesOnlySpheres) reorder(balls_);
+  const std::vector before(particles_.begin(), particles_.begin() + layout_.dynamicParticles);
+  for (std::int32_t place = 0; place < dynamic; ++place) {
+    const std::int32_t slot = layout_.slotOfPlace[place], end = layout_.slotOfPlace[place + 1];
+    std::copy_n(before.begin() + slotBefore[from[place]], end - slot, particles_.begin() + slot);
   }
   list_.reset();
   return from;
@@ -165,15 +144,15 @@ void Evaluation::rebuildCandidates() {
   list_.rebuild(input, executor_);
   incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
   rememberList();
-  contacts_.resize(list_.size());
-  contactsOfRow_.resize(layout_.dynamicParticles);
-  forces_.resize(list_.size());
-  contactOfCandidate_.resize(list_.size());
+  resizeAnew(contacts_, list_.size());
+  resizeAnew(contactsOfRow_, layout_.dynamicParticles);
+  resizeAnew(forces_, list_.size());
+  resizeAnew(contactOfCandidate_, list_.size());
 }
 
 /// What the list was made for, and which of its candidates have a memory.
 void Evaluation::rememberList() {
-  listedParticles_.resize(layout_.movingParticles);
+  resizeAnew(listedParticles_, layout_.movingParticles);
   for (std::int32_t slot = 0; slot < layout_.movingParticles; ++slot) {
     const ParticleRow& row = particles_[slot];
     listedParticles_[slot] = {row.x, row.y, row.z, margins_[slot] * margins_[slot]};
@@ -187,8 +166,9 @@ void Evaluation::rememberList() {
     }
   }
   if (!hasMemory_) return;
-  memoryOfCandidate_.assign(list_.size(), -1);
-  contactMemory_.resize(list_.size());
+  resizeAnew(memoryOfCandidate_, list_.size());
+  std::fill(memoryOfCandidate_.begin(), memoryOfCandidate_.end(), -1);
+  resizeAnew(contactMemory_, list_.size());
   for (std::int32_t m = 0; m < static_cast<std::int32_t>(memory_.size()); ++m) {
     const std::int32_t slot = layout_.slotOfRank[memory_[m].rank1];
     const auto begin = list_.partner().begin() + list_.rowStart()[slot];

@@ -43,7 +43,7 @@ std::int32_t Evaluation::findSurfaceContacts(std::int32_t i, std::int32_t n) {
   while (c > list_.rowStart()[i] && partner[c - 1] >= layout_.particleCount) --c;
   for (; c < end; ++c) {
     const ParticleRow& a = particles_[i];
-    const double reach = a.radius + layout_.overhang[layout_.ownerOfSlot[i]];
+    const double reach = a.radius + layout_.overhangOf(layout_.ownerOfSlot[i]);
     const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
     const Vector3 center(a.x, a.y, a.z);
     const SurfaceDistance near = surface.distance(center);

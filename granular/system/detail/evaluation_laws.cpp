@@ -8,8 +8,7 @@
 
 namespace granular::detail {
 
-PairLaw Evaluation::makeLaw(std::int32_t kindA, std::int32_t kindB) const {
-  const ParticleKind &a = layout_.kinds[kindA], &b = layout_.kinds[kindB];
+PairLaw Evaluation::makeLaw(const ParticleKind& a, const ParticleKind& b) const {
   return makePairLaw(materialPairs_[a.material * materials_.size() + b.material],
                      sideOf(a, materials_[a.material]), sideOf(b, materials_[b.material]));
 }
@@ -22,7 +21,7 @@ void Evaluation::makePairLaws() {
       // Two planes, or two held things: they never meet, and nothing could be said of them.
       const ParticleKind &kindA = layout_.kinds[a], &kindB = layout_.kinds[b];
       if (kindA.inverseMass + kindB.inverseMass > 0.0 && kindA.inverseRadius + kindB.inverseRadius > 0.0) {
-        pairLaws_[a * kinds + b] = makeLaw(a, b);
+        pairLaws_[a * kinds + b] = makeLaw(kindA, kindB);
       }
     }
   }
@@ -41,7 +40,7 @@ bool hasMemory(ShearLaw law) {
 /// others need.
 void Evaluation::noteLaws() {
   std::vector<bool> isThere(materials_.size(), false);
-  for (const ParticleKind& kind : layout_.kinds) isThere[kind.material] = true;
+  for (const Owner& owner : layout_.owners) isThere[owner.material] = true;
   isUniform_ = layout_.dynamicBodies == 0 && std::count(isThere.begin(), isThere.end(), true) == 1;
   hasMemory_ = isDampingGiven_ = false;
   for (std::size_t a = 0; a < materials_.size(); ++a) {
@@ -56,9 +55,10 @@ void Evaluation::noteLaws() {
 }
 
 PairLaw Evaluation::pairLaw(const Contact& contact) const {
+  if (layout_.kinds.empty()) return makeLaw(layout_.kindOf(contact.slot1), layout_.kindOf(contact.slot2));
   const std::int32_t kind1 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot1]];
   const std::int32_t kind2 = layout_.kindOfRank[layout_.rankOfSlot[contact.slot2]];
-  return lawsByKind_ ? pairLaws_[kind1 * layout_.kinds.size() + kind2] : makeLaw(kind1, kind2);
+  return pairLaws_[kind1 * layout_.kinds.size() + kind2];
 }
 
 Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_t material2,
@@ -67,7 +67,7 @@ Evaluation::PairRule Evaluation::ruleBetween(std::int32_t material1, std::int32_
 }
 
 Evaluation::PairRule Evaluation::ruleOf(const Contact& contact) const {
-  const std::int32_t first = layout_.kinds.front().material;
+  const std::int32_t first = layout_.owners.front().material;
   if (isUniform_) return ruleBetween(first, first, false);
   const OwnerRow& owner1 = owners_[layout_.placeOfSlot[contact.slot1]];
   const OwnerRow& owner2 = owners_[layout_.placeOfSlot[contact.slot2]];
@@ -108,13 +108,16 @@ double Evaluation::shearRate() {
 
 double Evaluation::referenceContactTime() const {
   double shortest = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const PairLaw& law) {
+  const auto consider = [&](const ParticleKind& kind) {
+    if (!(kind.inverseMass > 0.0 && kind.inverseRadius > 0.0)) return;
+    const PairLaw law = makeLaw(kind, kind);
     shortest = std::min(shortest, withNormalLaw(law.normalLaw, [&]<class Normal>(Normal) {
                           return contactTimeOfUrgency(Normal::urgency(law.normal, 0.0, 1.0));
                         }));
   };
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(layout_.kinds.size()); ++k) {
-    if (layout_.kinds[k].inverseMass > 0.0 && layout_.kinds[k].inverseRadius > 0.0) consider(makeLaw(k, k));
+  for (const ParticleKind& kind : layout_.kinds) consider(kind);
+  if (layout_.kinds.empty()) {
+    layout_.forEachKind([&](const ParticleKind& kind, std::int32_t, bool) { consider(kind); });
   }
   return shortest;
 }

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -61,6 +62,7 @@ struct BodyTraits {
   Vector3 linearFactor = Vector3::Ones();
   Vector3 angularFactor = Vector3::Ones();
   Vector3 freeAxes = Vector3::Ones();  ///< 0 for a locked axis of rotation, else 1, world
+  double length = 0.0, area = 0.0;     ///< of its particles, as in PairSide
 
   std::span<const SurfacePiece> piecesOf(std::int32_t local) const {
     if (pieces.empty()) return {};
@@ -78,18 +80,14 @@ struct Owner {
   std::span<const ShapeParticle> particles;  ///< principal frame, before scale
   const BodyTraits* body = &kNoBody;
   double scale = 1.0;
-  double inverseMass = 0.0;           ///< 1/kg; 0 unless dynamic or asleep
-  Vector3 inertia = Vector3::Zero();  ///< principal, kg m^2
-  Vector3 inverseInertia = Vector3::Zero();
-  double reach = 0.0;  ///< farthest particle surface from the centre, m
+  double inverseMass = 0.0;                  ///< 1/kg; 0 unless dynamic or asleep
+  Vector3 inverseInertia = Vector3::Zero();  ///< principal, 1/(kg m^2)
+  double reach = 0.0;                        ///< farthest particle surface from the centre, m
   std::int32_t material = -1;
-  ContactFilter filter;
   std::int32_t firstRank = 0;
   std::int32_t firstSlot = 0;
-  std::int32_t firstPatch = -1;  ///< -1: static
-  std::int32_t patchCount = 0;
 };
-static_assert(sizeof(Owner) <= 144, "there is one for every grain");
+static_assert(sizeof(Owner) <= 96, "there is one for every grain");
 
 /// omega = R I^-1 R^T L, world, with locked axes left out; rad/s.
 inline Vector3 angularVelocityOf(const Owner& owner, const Quaternion& orientation,
@@ -111,6 +109,10 @@ struct ParticleKind {
   friend auto operator<=>(const ParticleKind&, const ParticleKind&) = default;
 };
 
+/// Of particle `local` of an owner, and of its exact surface.
+ParticleKind particleKind(const Owner& owner, std::int32_t local);
+ParticleKind surfaceKind(const Owner& owner);
+
 /// What the pair laws are told of it.
 inline PairSide sideOf(const ParticleKind& kind, const MaterialDef& material) {
   return {.contact = {kind.inverseMass, kind.inverseRadius, material.youngsModulus, material.poissonRatio},
@@ -121,6 +123,7 @@ inline PairSide sideOf(const ParticleKind& kind, const MaterialDef& material) {
 
 struct Layout {
   static constexpr std::int32_t kParticlesPerPatch = 64;
+  static constexpr std::size_t kMostKinds = 64;  ///< their pair laws are a table (1 MB)
 
   std::vector<Owner> owners;
   std::deque<BodyTraits> bodyTraits;  ///< of the bodies among them, which point here
@@ -163,22 +166,50 @@ struct Layout {
     return numbersAt(placeOfOwner[owner], y);
   }
 
+  /// All kinds that there are; none where they are more than kMostKinds (polydisperse).
   std::vector<ParticleKind> kinds;
-  std::vector<std::int32_t> kindOfRank;
+  std::vector<std::int32_t> kindOfRank;  ///< in kinds
+  ParticleKind kindOf(std::int32_t slot) const {
+    const Owner& owner = owners[ownerOfSlot[slot]];
+    return slot < particleCount ? particleKind(owner, rankOfSlot[slot] - owner.firstRank)
+                                : surfaceKind(owner);
+  }
+  /// body(kind, owner, isSurface) for every particle and exact surface, by rank.
+  template <class Body>
+  void forEachKind(Body&& body) const;
+
   MeetingRules rules;
-  std::vector<double> overhang;  ///< by owner: how far pieces reach beyond their particles, at most, m
+  std::vector<double> overhang;  ///< by owner: as overhangOf; none where nothing does
+  /// How far pieces of the owner reach beyond their particles, at most, m.
+  double overhangOf(std::int32_t owner) const { return overhang.empty() ? 0.0 : overhang[owner]; }
 
   /// Area that particle `local` of a body shows to a contact along N (unit, body frame), m^2.
   static double areaAlong(const Owner& owner, std::int32_t local, const Vector3& N);
 
-  /// Numbers ranks, patches and kinds of `owners`, which are in their order; slots in the same order.
-  void finish(const std::vector<std::uint64_t>& excludedPairs);
-  /// Puts places, slots and patches of dynamic owners into this order, a permutation of [0, dynamicCount()).
-  void assignSlots(std::vector<std::int32_t> order);
+  /// What its particles, which are there already, make up for the laws by area.
+  static void measureBody(const Owner& owner, BodyTraits& traits);
+
+  /// Numbers ranks, patches and kinds of `owners`, which are in their order. Slots are left to sortPlaces.
+  void finish();
+  /// Puts places, slots and patches of dynamic owners into the order of cells; centerOf(owner): where it is.
+  void sortPlaces(const std::function<Vector3(std::int32_t)>& centerOf);
 
  private:
+  std::int32_t patchCountOf(std::int32_t owner) const;
   void noteBodySurfaces();
+  void noteOverhangs();
+  void measureRadii();
   void findKinds();
+  void assignSlots();
 };
+
+template <class Body>
+void Layout::forEachKind(Body&& body) const {
+  for (std::int32_t o = 0; o < static_cast<std::int32_t>(owners.size()); ++o) {
+    const auto count = static_cast<std::int32_t>(owners[o].particles.size());
+    for (std::int32_t k = 0; k < count; ++k) body(particleKind(owners[o], k), o, false);
+  }
+  for (const std::int32_t o : ownerOfSurface) body(surfaceKind(owners[o]), o, true);
+}
 
 }  // namespace granular::detail

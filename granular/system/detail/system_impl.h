@@ -27,8 +27,7 @@ struct GrainRecord {
   GrainShapeId shape;
   MaterialId material;
   double scale = 1.0;
-  double mass = 0.0;
-  Vector3 inertia = Vector3::Zero();
+  double mass = 0.0;  // kg
   ContactFilter filter;
   std::uint32_t generation = 0;
   bool alive = false;
@@ -151,6 +150,7 @@ class GranularSystem::Impl {
   // ---- stages of a step
   void prepare();
   void makeLayout();
+  void noteFilters();
   std::int32_t addGrains(bool asleep);
   std::int32_t addBodies(BodyMotion type, bool asleep);
   const std::vector<MaterialPair>& materialPairs();
@@ -205,6 +205,8 @@ class GranularSystem::Impl {
   void evaluateNow(double t);
   void startIsEvaluated();
   void surroundingsChanged();
+  Vector3 inertiaOf(const detail::GrainRecord& record) const;
+  const RigidMotion& motionOf(const detail::Owner& owner) const;
   void writeOwner(std::int32_t o, const RigidMotion& motion);
   RigidMotion readOwner(std::int32_t o) const;
 };

@@ -250,8 +250,8 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     evaluateNow(t);
     if (isNew && sleepOrWake(partStart + t)) return t;
     report.largestOverlap = std::max(report.largestOverlap, startSummary.largestOverlap);
-    if (evaluation.isSortDue()) sortState();
     const Trial trial = planTrial(dt, dt - t, report);
+    if (evaluation.isSortDue()) sortState();  // what planTrial looks at is lost
     const double end = dt - t <= trial.length ? dt : t + trial.length;
     equations.beginTrial(startSummary);
     if (startSummary.urgency > 0.0) {

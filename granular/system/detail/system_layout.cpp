@@ -52,7 +52,6 @@ void GranularSystem::Impl::prepare() {
   evaluation.reset(materialPairs(), materials);
   contactTimeAtReference = evaluation.referenceContactTime();
   loadState();
-  sortState();
   evaluation.importMemory(memory, y);
   sumFrozen();
   layoutIsOld = false;
@@ -80,13 +79,11 @@ std::int32_t GranularSystem::Impl::addGrains(bool asleep) {
     owner.particles = shape.particles;
     owner.scale = record.scale;
     owner.inverseMass = 1.0 / record.mass;
-    owner.inertia = record.inertia;
-    owner.inverseInertia = record.inertia.cwiseInverse();
+    owner.inverseInertia = inertiaOf(record).cwiseInverse();
     owner.isotropic = shape.isotropic;
     owner.isSphere = shape.particles.size() == 1 && shape.particles.front().position.isZero();
     owner.reach = record.scale * shape.boundingRadius;
     owner.material = record.material.index;
-    owner.filter = record.filter;
   }
   return static_cast<std::int32_t>(layout.owners.size() - before);
 }
@@ -110,12 +107,11 @@ std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
     if (record.exact) traits.exact = &*record.exact;
     traits.exactPose = record.exactPose;
     traits.exactUse = record.exactUse;
+    detail::Layout::measureBody(owner, traits);
     owner.reach = record.reach;
     owner.material = record.material.index;
-    owner.filter = record.filter;
     if (type != BodyMotion::Dynamic) continue;
     owner.inverseMass = 1.0 / record.mass;
-    owner.inertia = record.inertia;
     owner.inverseInertia = record.inertia.cwiseInverse();
     owner.isotropic = record.inertia.minCoeff() == record.inertia.maxCoeff();
     traits.linearFactor = record.linearFactor;
@@ -140,12 +136,32 @@ void GranularSystem::Impl::makeLayout() {
   layout.firstSleeper = static_cast<std::int32_t>(layout.owners.size());
   layout.sleepingGrains = addGrains(true);
   addBodies(BodyMotion::Dynamic, true);
-  std::vector<std::uint64_t> excludedOwners;
+  noteFilters();
+  layout.finish();
+  layout.sortPlaces([&](std::int32_t o) { return motionOf(layout.owners[o]).pose.position; });
+}
+
+/// Which owners meet; by their own filters only where one of these is not the usual one.
+void GranularSystem::Impl::noteFilters() {
+  const detail::Layout& layout = evaluation.layout();
+  MeetingRules& rules = evaluation.layout().rules;
+  const auto filterOf = [&](const detail::Owner& owner) -> const ContactFilter& {
+    return owner.kind == OwnerKind::Grain ? grains[owner.index].filter : bodies[owner.index].filter;
+  };
+  const auto isUsual = [&](const detail::Owner& owner) {
+    return filterOf(owner).group == ContactFilter{}.group && filterOf(owner).mask == ContactFilter{}.mask;
+  };
+  if (!std::all_of(layout.owners.begin(), layout.owners.end(), isUsual)) {
+    for (const detail::Owner& owner : layout.owners) {
+      rules.group.push_back(filterOf(owner).group);
+      rules.mask.push_back(filterOf(owner).mask);
+    }
+  }
   for (const std::uint64_t pair : excludedPairs) {
     const std::int32_t a = ownerOfBody[pair >> 32], b = ownerOfBody[pair & 0xffffffffu];
-    if (a >= 0 && b >= 0) excludedOwners.push_back(MeetingRules::pairKey(a, b));
+    if (a >= 0 && b >= 0) rules.excludedPairs.push_back(MeetingRules::pairKey(a, b));
   }
-  layout.finish(excludedOwners);
+  std::sort(rules.excludedPairs.begin(), rules.excludedPairs.end());
 }
 
 /// Of materials a and b at a * count + b. Finding a damping by impacts takes milliseconds, and a layout is
@@ -183,14 +199,26 @@ void GranularSystem::Impl::loadSurroundings() {
   }
 }
 
+/// Principal moments of inertia, kg m^2.
+Vector3 GranularSystem::Impl::inertiaOf(const GrainRecord& record) const {
+  return materials[record.material.index].density * std::pow(record.scale, 5) *
+         shapes[record.shape.index].unitInertia;
+}
+
+const RigidMotion& GranularSystem::Impl::motionOf(const detail::Owner& owner) const {
+  return owner.kind == OwnerKind::Grain ? grainMotions[owner.index] : bodies[owner.index].motion;
+}
+
 void GranularSystem::Impl::writeOwner(std::int32_t o, const RigidMotion& motion) {
   const auto own = evaluation.layout().numbersOf(o, y.data());
   const detail::Owner& owner = evaluation.layout().owners[o];
+  const bool isGrain = owner.kind == OwnerKind::Grain;
+  const Vector3 inertia = isGrain ? inertiaOf(grains[owner.index]) : bodies[owner.index].inertia;
   const Quaternion& q = motion.pose.orientation;
   own.position() = motion.pose.position;
   own.setOrientation(q);
   own.velocity() = motion.velocity;
-  own.angularMomentum() = q * owner.inertia.cwiseProduct(q.conjugate() * motion.angularVelocity);
+  own.angularMomentum() = q * inertia.cwiseProduct(q.conjugate() * motion.angularVelocity);
 }
 
 RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
@@ -210,11 +238,10 @@ void GranularSystem::Impl::sortState() {
   const detail::Layout& layout = evaluation.layout();
   std::vector<std::vector<double>*> inOrder = stepper->kept();
   inOrder.push_back(&y);
-  std::vector<double> before;
+  std::vector<double>& before = stepper->result();  // of a trial that is over
   for (std::vector<double>* numbers : inOrder) {
     if (numbers->size() < from.size() * state::kSize) continue;  // of another layout: nothing in it is read
-    before.assign(numbers->begin(),
-                  numbers->begin() + static_cast<std::ptrdiff_t>(from.size()) * state::kSize);
+    before.assign(numbers->begin(), numbers->end());
     for (std::size_t place = 0; place < from.size(); ++place) {
       const auto source = layout.numbersAt(from[place], std::as_const(before).data());
       const auto target = layout.numbersAt(static_cast<std::int64_t>(place), numbers->data());
@@ -227,10 +254,7 @@ void GranularSystem::Impl::sortState() {
 void GranularSystem::Impl::loadState() {
   const detail::Layout& layout = evaluation.layout();
   y.assign(evaluation.stateSize(), 0.0);
-  for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
-    const detail::Owner& owner = layout.owners[o];
-    writeOwner(o, owner.kind == OwnerKind::Grain ? grainMotions[owner.index] : bodies[owner.index].motion);
-  }
+  for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) writeOwner(o, motionOf(layout.owners[o]));
 }
 
 }  // namespace granular

@@ -149,7 +149,7 @@ void GranularSystem::Impl::markNear(std::int32_t body, std::int32_t first, std::
     const auto rows = evaluation.particlesOf(other);
     near[o - first] = std::any_of(rows.begin(), rows.end(), [&](const ParticleRow& row) {
       const Vector3 p(row.x, row.y, row.z);
-      return (bySurface && surface->mayBeWithin(p, row.radius + layout.overhang[o] + margin)) ||
+      return (bySurface && surface->mayBeWithin(p, row.radius + layout.overhangOf(o) + margin)) ||
              (byParticles && !isFar && !around.isClear({p, row.radius}));
     });
   }
