@@ -17,7 +17,7 @@ namespace {
 struct Cloud {
   std::vector<ParticleRow> rows;
   std::vector<double> margin;
-  std::vector<std::int32_t> owner, rank, slotOfRank;
+  std::vector<std::int32_t> owner, rank;
   std::vector<SurfaceRow> surfaces;
   std::vector<double> surfaceMargin, overhang;
   std::int32_t dynamicCount = 0, movingCount = 0;
@@ -34,20 +34,17 @@ struct Cloud {
     dynamicCount = count * 3 / 4;
     movingCount = count * 7 / 8;
     for (int i = 0; i < movingCount; ++i) margin.push_back(random.uniform(0.0, 0.02));
-    slotOfRank.resize(count);
-    std::iota(slotOfRank.begin(), slotOfRank.end(), 0);
-    for (int i = dynamicCount - 1; i > 0; --i) {  // ranks in another order than slots
-      std::swap(slotOfRank[i], slotOfRank[random.bits() % (i + 1)]);
-    }
     rank.resize(count);
-    for (int r = 0; r < count; ++r) rank[slotOfRank[r]] = r;
+    std::iota(rank.begin(), rank.end(), 0);
+    for (int i = dynamicCount - 1; i > 0; --i) {  // ranks in another order than slots
+      std::swap(rank[i], rank[random.bits() % (i + 1)]);
+    }
   }
   SearchInput input() const {
     return {.particles = rows,
             .surfaces = surfaces,
             .owner = owner,
             .rank = rank,
-            .slotOfRank = slotOfRank,
             .dynamicCount = dynamicCount,
             .movingCount = movingCount,
             .rules = &rules,
@@ -74,7 +71,6 @@ struct Cloud {
       surfaceMargin.push_back(s % 2 == 0 ? 0.0 : random.uniform(0.0, 0.1));
       owner.push_back(owners + s);
       rank.push_back(static_cast<std::int32_t>(rank.size()));
-      slotOfRank.push_back(rank.back());
     }
     for (int o = 0; o < owners + count; ++o) overhang.push_back(random.uniform(0.0, 0.01));
   }
@@ -226,7 +222,7 @@ TEST(CandidateIncidence, NamesEveryCandidateOnceByThePatchOfItsSecondParticleInO
   std::vector<std::int32_t> patchOfSlot(800, -1);
   for (int i = 0; i < cloud.dynamicCount; ++i) patchOfSlot[i] = cloud.owner[i];
   CandidateIncidence incidence;
-  incidence.rebuild(list, cloud.input(), patchOfSlot, 300);
+  incidence.rebuild(list, cloud.input(), patchOfSlot, 300, Executor(2));
 
   std::vector<std::int32_t> rowOf(list.size());
   for (std::int32_t i = 0; i < cloud.dynamicCount; ++i) {

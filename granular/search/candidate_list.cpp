@@ -10,7 +10,8 @@
 namespace granular {
 namespace {
 
-constexpr std::int32_t kVoxelsPerPiece = 256;  // large enough that handing out pieces costs nothing
+// Large enough that handing out pieces costs nothing.
+constexpr std::int32_t kVoxelsPerPiece = 256, kPatchesPerPiece = 1024;
 
 /// Tags of those in a run that are near and have a higher tag go to hits; returns the end of them.
 /// No branch: which of some fifty are near, no processor guesses.
@@ -202,7 +203,8 @@ void CandidateList::joinRows(const SearchInput& input, const Executor& executor)
 }
 
 void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& input,
-                                 std::span<const std::int32_t> patchOfSlot, std::int32_t patchCount) {
+                                 std::span<const std::int32_t> patchOfSlot, std::int32_t patchCount,
+                                 const Executor& executor) {
   const auto rowStart = list.rowStart();
   const auto partner = list.partner();
   // Two places ahead are the counts, one ahead the sums of those before: where the next entry goes.
@@ -213,14 +215,26 @@ void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& i
   }
   for (std::int32_t p = 0; p < patchCount; ++p) start_[p + 2] += start_[p + 1];
   resizeAnew(entries_, start_.back());
-  for (std::int32_t rank = 0; rank < input.dynamicCount; ++rank) {
-    const std::int32_t i = input.slotOfRank[rank];
-    for (std::int32_t c = rowStart[i]; c < rowStart[i + 1]; ++c) {
+  // First the rows, one after another as they lie in memory; ranks are all over it.
+  for (std::int32_t row = 0; row < input.dynamicCount; ++row) {
+    for (std::int32_t c = rowStart[row]; c < rowStart[row + 1]; ++c) {
       const std::int32_t patch = patchOfSlot[partner[c]];
-      if (patch >= 0) entries_[start_[patch + 1]++] = c;
+      if (patch >= 0) entries_[start_[patch + 1]++] = row;
     }
   }
   start_.pop_back();
+  executor.forRanges(patchCount, kPatchesPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (auto patch = static_cast<std::int32_t>(begin); patch < end; ++patch) {
+      const auto first = entries_.begin() + start_[patch], last = entries_.begin() + start_[patch + 1];
+      std::sort(first, last, [&](std::int32_t a, std::int32_t b) { return input.rank[a] < input.rank[b]; });
+      for (auto entry = first; entry != last;) {  // a row is there as often as it has candidates of the patch
+        const std::int32_t row = *entry;
+        for (std::int32_t c = rowStart[row]; c < rowStart[row + 1]; ++c) {
+          if (patchOfSlot[partner[c]] == patch) *entry++ = c;
+        }
+      }
+    }
+  });
 }
 
 }  // namespace granular

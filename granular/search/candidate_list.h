@@ -69,7 +69,6 @@ struct SearchInput {
   std::span<const SurfaceRow> surfaces = {};
   std::span<const std::int32_t> owner;  ///< [slot]
   std::span<const std::int32_t> rank;   ///< [slot]
-  std::span<const std::int32_t> slotOfRank;
   std::int32_t dynamicCount = 0;
   /// Slots from here on have not moved since the last list, unless fixedMoved(); by default there are none.
   std::int32_t movingCount = std::numeric_limits<std::int32_t>::max();
@@ -149,7 +148,7 @@ class CandidateIncidence {
  public:
   /// patchOfSlot: -1 for particles that no patch has.
   void rebuild(const CandidateList& list, const SearchInput& input, std::span<const std::int32_t> patchOfSlot,
-               std::int32_t patchCount);
+               std::int32_t patchCount, const Executor& executor);
 
   /// Candidates of patch p: entries()[starts()[p] .. starts()[p + 1]).
   std::span<const std::int32_t> starts() const { return start_; }

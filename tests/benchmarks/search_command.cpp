@@ -179,14 +179,13 @@ class ListSearch {
     list_.rebuild({.particles = cloud.rows,
                    .owner = own_,
                    .rank = own_,
-                   .slotOfRank = own_,
                    .dynamicCount = static_cast<std::int32_t>(own_.size()),
                    .rules = &rules_,
                    .margin = margin_},
                   executor_);
   }
 
-  std::vector<std::int32_t> own_;  // everyone is his own owner, rank and slot
+  std::vector<std::int32_t> own_;  // everyone is his own owner and rank
   std::vector<double> margin_;
   std::vector<ParticleRow> listed_;
   granular::MeetingRules rules_;

@@ -134,7 +134,6 @@ void Evaluation::rebuildCandidates() {
                           .surfaces = surfaces_,
                           .owner = layout_.ownerOfSlot,
                           .rank = layout_.rankOfSlot,
-                          .slotOfRank = layout_.slotOfRank,
                           .dynamicCount = layout_.dynamicParticles,
                           .movingCount = layout_.movingParticles,
                           .rules = &layout_.rules,
@@ -142,7 +141,7 @@ void Evaluation::rebuildCandidates() {
                           .margin = margins_,
                           .surfaceMargin = surfaceMargins_};
   list_.rebuild(input, executor_);
-  incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount);
+  incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount, executor_);
   rememberList();
   resizeAnew(contacts_, list_.size());
   resizeAnew(contactsOfRow_, layout_.dynamicParticles);
