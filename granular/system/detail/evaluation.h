@@ -186,6 +186,7 @@ class Evaluation {
   double surfaceMove(std::int32_t s) const;
   void chooseMargins();
   void rememberList();
+  void rememberEntry(std::int32_t m);
   bool remembers(const Contact& contact) const;
   bool isRemembered(std::int32_t n) const;
   ContactRange contactsOfPiece(std::int32_t piece) const;

@@ -11,6 +11,8 @@
 namespace granular::detail {
 namespace {
 
+constexpr std::int32_t kPerPiece = 4096;  // particles or memories, handed to a thread at a time
+
 // List rebuilds between two sortings of the places by cell: grains travel a few radii in that time.
 constexpr std::int64_t kRebuildsPerSort = 200;
 
@@ -82,11 +84,13 @@ void Evaluation::chooseMargins() {
   const double largest = kLargestMargin * layout_.smallestRadius;
   const double time = sum > 0.0 ? (mean - atRest) * moving / sum : 0.0;
   const auto marginAt = [&](double speed) { return std::min(largest, atRest + time * speed); };
-  margins_.resize(layout_.movingParticles);
-  for (std::int32_t place = 0; place < moving; ++place) {
-    std::fill(margins_.begin() + layout_.slotOfPlace[place],
-              margins_.begin() + layout_.slotOfPlace[place + 1], marginAt(fastestPoint(place)));
-  }
+  resizeAnew(margins_, layout_.movingParticles);
+  executor_.forRanges(moving, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (auto place = static_cast<std::int32_t>(begin); place < end; ++place) {
+      std::fill(margins_.begin() + layout_.slotOfPlace[place],
+                margins_.begin() + layout_.slotOfPlace[place + 1], marginAt(fastestPoint(place)));
+    }
+  });
   surfaceMargins_.assign(layout_.surfaceCount(), 0.0);
   for (std::int32_t s = 0; s < layout_.surfaceCount(); ++s) {
     const std::int32_t o = layout_.ownerOfSurface[s];
@@ -152,14 +156,17 @@ void Evaluation::rebuildCandidates() {
 /// What the list was made for, and which of its candidates have a memory.
 void Evaluation::rememberList() {
   resizeAnew(listedParticles_, layout_.movingParticles);
-  for (std::int32_t slot = 0; slot < layout_.movingParticles; ++slot) {
-    const ParticleRow& row = particles_[slot];
-    listedParticles_[slot] = {row.x, row.y, row.z, margins_[slot] * margins_[slot]};
-  }
+  executor_.forRanges(layout_.movingParticles, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t slot = begin; slot < end; ++slot) {
+      const ParticleRow& row = particles_[slot];
+      listedParticles_[slot] = {row.x, row.y, row.z, margins_[slot] * margins_[slot]};
+    }
+  });
   listedSurfaces_ = surfaces_;
   listIsCurrent_ = true;
   listedExtent_ = 0.0;
-  if (!surfaces_.empty()) {
+  const auto moves = [&](std::int32_t o) { return o < layout_.movingCount(); };
+  if (std::any_of(layout_.ownerOfSurface.begin(), layout_.ownerOfSurface.end(), moves)) {
     for (const ListedRow& row : listedParticles_) {
       listedExtent_ = std::max(listedExtent_, Vector3(row.x, row.y, row.z).norm());
     }
@@ -168,18 +175,21 @@ void Evaluation::rememberList() {
   resizeAnew(memoryOfCandidate_, list_.size());
   std::fill(memoryOfCandidate_.begin(), memoryOfCandidate_.end(), -1);
   resizeAnew(contactMemory_, list_.size());
-  for (std::int32_t m = 0; m < static_cast<std::int32_t>(memory_.size()); ++m) {
-    const std::int32_t slot = layout_.slotOfRank[memory_[m].rank1];
-    const auto begin = list_.partner().begin() + list_.rowStart()[slot];
-    const auto end = list_.partner().begin() + list_.rowStart()[slot + 1];
-    const auto found = std::lower_bound(
-        begin, end, memory_[m].rank2,
-        [&](std::int32_t partner, std::int32_t rank) { return layout_.rankOfSlot[partner] < rank; });
-    // A contact that is no longer even near has ended; settleMemory drops it.
-    if (found != end && layout_.rankOfSlot[*found] == memory_[m].rank2) {
-      memoryOfCandidate_[found - list_.partner().begin()] = m;
-    }
-  }
+  executor_.forRanges(std::ssize(memory_), kPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (auto m = static_cast<std::int32_t>(begin); m < end; ++m) rememberEntry(m);
+  });
+}
+
+/// Where entry m of the memory is found from now on. A contact that is no longer even near has ended;
+/// settleMemory drops it.
+void Evaluation::rememberEntry(std::int32_t m) {
+  const std::int32_t slot = layout_.slotOfRank[memory_[m].rank1];
+  const auto all = list_.partner().begin();
+  const auto begin = all + list_.rowStart()[slot], end = all + list_.rowStart()[slot + 1];
+  const auto found = std::lower_bound(
+      begin, end, memory_[m].rank2,
+      [&](std::int32_t partner, std::int32_t rank) { return layout_.rankOfSlot[partner] < rank; });
+  if (found != end && layout_.rankOfSlot[*found] == memory_[m].rank2) memoryOfCandidate_[found - all] = m;
 }
 
 }  // namespace granular::detail
