@@ -24,8 +24,10 @@ struct ContactArrays {
   std::int32_t dynamicParticles = 0;       ///< have rows of candidates
   const ParticleRow* particles = nullptr;  ///< [slot]
   const OwnerRow* owners = nullptr;        ///< [place]
-  /// [place] centre and reach. Not of what moves where that is spheres only: their particles are these balls.
+  /// [place - firstBall] centre and reach. Not of what moves where that is spheres only: their particles are
+  /// these balls.
   const ParticleRow* balls = nullptr;
+  std::int32_t firstBall = 0;  ///< 0 unless movesOnlySpheres
   bool movesOnlySpheres = false;
   const std::int32_t* placeOfSlot = nullptr;     ///< place of the owner
   const double* surfaceInverseRadius = nullptr;  ///< [surface], 1/m; 0: no sphere, counts as flat

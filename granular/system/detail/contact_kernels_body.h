@@ -182,7 +182,8 @@ PackMeeting meetingOf(const ContactArrays& arrays, const PackContacts& pack, boo
   const PackParticles ball1 = arrays.movesOnlySpheres ? a : particlesOf([&](int lane) -> auto& {
     return arrays.balls[pack.place1[lane]];
   });
-  const PackParticles ball2 = particlesOf([&](int lane) -> auto& { return arrays.balls[pack.place2[lane]]; });
+  const PackParticles ball2 =
+      particlesOf([&](int lane) -> auto& { return arrays.balls[pack.place2[lane] - arrays.firstBall]; });
   const auto between = [&](const Vector3Of<Pack>& on1, const Vector3Of<Pack>& on2) {
     return motion1.velocity + motion1.angularVelocity.cross(on1 - ball1.center) -
            (motion2.velocity + motion2.angularVelocity.cross(on2 - ball2.center));

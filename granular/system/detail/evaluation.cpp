@@ -40,14 +40,15 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
 /// All of the rows that time does not change.
 void Evaluation::layRows() {
   owners_.assign(layout_.owners.size(), OwnerRow{});
-  balls_.assign(layout_.owners.size(), ParticleRow{});
+  balls_.assign(layout_.owners.size() - layout_.firstBall(), ParticleRow{});
   particles_.assign(layout_.particleCount, ParticleRow{});
   heatOfOwner_.assign(layout_.owners.size(), 0.0);
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
     const Owner& owner = layout_.owners[o];
     OwnerRow& row = rowOf(o);
     row.inverseMass = owner.inverseMass;
-    balls_[layout_.placeOfOwner[o]].radius = owner.reach;
+    const std::int32_t ball = layout_.placeOfOwner[o] - layout_.firstBall();
+    if (ball >= 0) balls_[ball].radius = owner.reach;
     row.material = owner.material;
     row.isBody = owner.kind == OwnerKind::Body;
     for (std::size_t k = 0; k < owner.particles.size(); ++k) {
@@ -93,6 +94,7 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .particles = particles_.data(),
           .owners = owners_.data(),
           .balls = balls_.data(),
+          .firstBall = layout_.firstBall(),
           .movesOnlySpheres = layout_.movesOnlySpheres,
           .placeOfSlot = layout_.placeOfSlot.data(),
           .surfaceInverseRadius = surfaceInverseRadius_.data(),
@@ -118,7 +120,7 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
   const Owner& owner = layout_.owners[o];
-  ParticleRow& ball = balls_[layout_.placeOfOwner[o]];
+  ParticleRow& ball = balls_[layout_.placeOfOwner[o] - layout_.firstBall()];
   ball.x = position.x(), ball.y = position.y(), ball.z = position.z();
   const Matrix3 rotation = owner.scale * orientation.toRotationMatrix();
   if (owner.kind == OwnerKind::Body) rotations_[o - layout_.dynamicGrains] = rotation;

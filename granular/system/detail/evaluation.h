@@ -164,10 +164,10 @@ class Evaluation {
   const Matrix3& rotationOf(std::int32_t body) const { return rotations_[body - layout_.dynamicGrains]; }
   OwnerRow& rowOf(std::int32_t o) { return owners_[layout_.placeOfOwner[o]]; }
   const OwnerRow& rowOf(std::int32_t o) const { return owners_[layout_.placeOfOwner[o]]; }
-  /// Single spheres are their own ball; where nothing else moves they are in one place only.
+  /// Single spheres are their own ball.
   const ParticleRow& ballAt(std::int32_t place) const {
-    const bool isSphere = layout_.movesOnlySpheres && place < layout_.dynamicCount();
-    return isSphere ? particles_[layout_.slotOfPlace[place]] : balls_[place];
+    const std::int32_t first = layout_.firstBall();
+    return place < first ? particles_[layout_.slotOfPlace[place]] : balls_[place - first];
   }
   /// Where only spheres move, a row is a patch, whose sum takes the place of the row's own.
   std::vector<PatchWrench>& wrenchesOfPatches() {
@@ -222,9 +222,8 @@ class Evaluation {
   std::vector<MaterialPair> materialPairs_;
   std::vector<MaterialDef> materials_;
 
-  // By place. Balls: about the centre, holding the owner; out of date where ballAt looks elsewhere.
-  std::vector<OwnerRow> owners_;
-  std::vector<ParticleRow> balls_;
+  std::vector<OwnerRow> owners_;    // by place
+  std::vector<ParticleRow> balls_;  // about centres, holding the owners; by place from firstBall() on
   std::vector<Matrix3> rotations_;  // of bodies; body owner o is at o - layout_.dynamicGrains
   std::vector<ParticleRow> particles_;
   std::vector<ListedRow> listedParticles_;  // of those that move

@@ -149,6 +149,8 @@ struct Layout {
   std::vector<std::int32_t> slotOfPlace, patchOfPlace;  ///< the first ones; one entry more than owners
   /// Whether all that moves are grains of one particle about the centre: owner and particle are one then.
   bool movesOnlySpheres = false;
+  /// Before this place owners have no ball of their own about them: it would be their particle.
+  std::int32_t firstBall() const { return movesOnlySpheres ? dynamicCount() : 0; }
   // By place: the loops over simple owners read these instead of an Owner.
   std::vector<double> isotropicInverseInertia;  ///< 1/(kg m^2); 0: not the same about all axes
   std::vector<std::uint8_t> isSphere;           ///< a grain of one particle about its centre
