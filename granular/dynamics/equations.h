@@ -19,9 +19,14 @@ struct Moment {
   /// Runge-Kutta: 0. Splitting methods move the memory of contacts (Bell 2005, eq. 19) with the velocities
   /// that the evaluation sees, as they move poses.
   double memoryStep = 0.0;
-  /// Whether the rates of poses are asked for; else they may be left as they are.
+  /// Whether the rates of poses are asked for; else the rate has no room for them.
   bool poseRates = true;
 };
+
+/// Leading numbers of the state that its rate lacks: poses, where nobody asks for theirs.
+inline std::size_t lackingOf(const std::vector<double>& rate, const std::vector<double>& y) {
+  return y.size() - rate.size();
+}
 
 /// One move of poses, and where momenta and memories of contacts stand for the evaluation that follows. All
 /// in seconds of the rate at the start of the trial.
@@ -36,8 +41,12 @@ class Equations {
  public:
   virtual ~Equations() = default;
 
-  /// One evaluation: rate = dy/dt. Fills rate, which has the size of y.
+  /// One evaluation: rate = dy/dt. Fills rate, which has the size of y; less poseCount() unless
+  /// Moment::poseRates.
   virtual void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) = 0;
+
+  /// Leading numbers of a state that are poses.
+  virtual std::size_t poseCount() const { return 0; }
 
   /// Poses move on by themselves, exactly where nothing pushes. Leaves in `to`, which has the size of y, a
   /// state to evaluate; what merely adds up is not set.

@@ -12,7 +12,7 @@ constexpr std::int64_t kNumbersPerPiece = 8192;  // of the state, handed to a th
 
 void KickDrift::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
   result_.resize(y.size());
-  lastRate_.resize(y.size());
+  lastRate_.resize(rateSize(equations, y));
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);

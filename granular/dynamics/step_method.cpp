@@ -8,7 +8,7 @@ namespace granular {
 
 void StepMethod::start(Equations& equations, const Moment& at, const std::vector<double>& y) {
   forget();
-  firstRate_.resize(y.size());
+  firstRate_.resize(rateSize(equations, y));
   Moment moment = at;
   moment.poseRates = needsPoseRates();
   equations.evaluate(moment, y, firstRate_);

@@ -35,9 +35,9 @@ class StepMethod {
   /// Largest rate of damping to be expected in the next trial, 1/s: some bear more of it at a cost in error.
   virtual void expectDamping(double) {}
 
-  /// Whether its trials read the rates of poses.
+  /// Whether its trials read the rates of poses; else its rates lack them.
   virtual bool needsPoseRates() const { return true; }
-  /// What it keeps from one trial to the next, in the order of the state: for whoever puts that into another.
+  /// Rates that it keeps from one trial to the next: for whoever puts the state into another order.
   virtual std::vector<std::vector<double>*> kept() { return {&firstRate_}; }
 
   std::vector<double>& firstRate() { return firstRate_; }
@@ -46,6 +46,10 @@ class StepMethod {
 
  protected:
   virtual void forget() {}
+  /// Numbers of a rate, as Equations::evaluate fills them for this.
+  std::size_t rateSize(const Equations& equations, const std::vector<double>& y) const {
+    return y.size() - (needsPoseRates() ? 0 : equations.poseCount());
+  }
 
   std::vector<double> firstRate_, result_, error_;
 };

@@ -107,7 +107,7 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .memoryOfCandidate = memoryOfCandidate_.data(),
           .memory = memory_.data(),
           .displacements = y.data() + stateSize(),
-          .displacementRates = rate.data() + stateSize(),
+          .displacementRates = rate.data() + (stateSize() - lackingOf(rate, y)),
           .contactMemory = contactMemory_.data(),
           .at = at,
           .rowWrenches = rowWrenches_.data(),
@@ -196,7 +196,7 @@ void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, cons
                             bool poseRates, std::vector<double>& rate) const {
   const std::int32_t o = layout_.ownerOfPlace[place];
   const OwnerRow& row = owners_[place];
-  const auto out = layout_.numbersAt(place, rate.data());
+  const auto out = layout_.ratesAt(place, rate.data(), lackingOf(rate, y));
   if (poseRates) {
     out.position() = row.velocity;
     const Vector3 half = 0.5 * row.angularVelocity;
@@ -217,10 +217,9 @@ void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, cons
 }
 
 /// What contacts did to a moving body, and work: by its load, or by the body itself where the host moves it.
-void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const {
+void Evaluation::tally(std::int32_t body, const PatchWrench& contact, double* to) const {
   const std::int32_t o = layout_.dynamicGrains + body;
   const OwnerRow& row = rowOf(o);
-  double* to = rate.data() + tallyAt(body);
   Eigen::Map<Vector3>(to + state::kImpulse) = contact.force;
   Eigen::Map<Vector3>(to + state::kAngularImpulse) = contact.torque;
   if (o < layout_.dynamicCount()) {
@@ -235,6 +234,7 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, std::vecto
 void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
                                       bool poseRates, std::vector<double>& rate) {
   const std::vector<PatchWrench>& wrenches = wrenchesOfPatches();
+  const std::size_t lacking = lackingOf(rate, y);
   for (std::int32_t place = begin; place < end; ++place) {
     const std::int32_t o = layout_.ownerOfPlace[place];
     PatchWrench contact;
@@ -244,7 +244,9 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
       contact.dissipation += wrenches[patch].dissipation;
     }
     heatOfOwner_[o] = contact.dissipation;
-    if (o >= layout_.dynamicGrains) tally(o - layout_.dynamicGrains, contact, rate);
+    if (const std::int32_t body = o - layout_.dynamicGrains; body >= 0) {
+      tally(body, contact, rate.data() + (tallyAt(body) - lacking));
+    }
     if (o < layout_.dynamicCount()) accelerate(place, contact, y, poseRates, rate);
   }
 }
@@ -262,7 +264,7 @@ void Evaluation::moveOwners(const ContactArrays& arrays, const std::vector<doubl
   });
   double heat = 0.0;
   for (std::int32_t o = 0; o < moving; ++o) heat += heatOfOwner_[o];
-  rate[heatAt()] = heat;
+  rate[heatAt() - lackingOf(rate, y)] = heat;
 }
 
 }  // namespace granular::detail

@@ -141,7 +141,7 @@ class Evaluation {
   void updateCandidates();
   void workOutContacts(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
   void findContacts(std::int32_t piece, const ContactArrays& arrays);
-  void computeContactForces(std::int32_t piece, const ContactArrays& arrays, const double* y, double* rate);
+  void computeContactForces(std::int32_t piece, const ContactArrays& arrays);
   void sumUpExtremes();
   void moveOwners(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
   void computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
@@ -155,7 +155,7 @@ class Evaluation {
   double placeMoving(std::int32_t place, double t, const std::vector<double>& y);
   void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
                   bool poseRates, std::vector<double>& rate) const;
-  void tally(std::int32_t body, const PatchWrench& contact, std::vector<double>& rate) const;
+  void tally(std::int32_t body, const PatchWrench& contact, double* to) const;
   void adaptMargin();
   void rebuildCandidates();
   ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
@@ -196,7 +196,7 @@ class Evaluation {
   bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
 
   template <class Normal, class Shear>
-  void forceOf(std::int32_t n, const Moment& at, const double* y, double* rate, Extremes& extremes);
+  void forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& extremes);
   template <class Normal>
   NormalConstants normalConstants(const Contact& contact, NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
@@ -208,8 +208,7 @@ class Evaluation {
   PairRule ruleOf(const Contact& contact) const;
   PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies) const;
   std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
-  void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, const double* y, double* rate,
-                   Extremes& extremes);
+  void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, Extremes& extremes);
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
   RememberedContact endsOf(std::int32_t rank1, std::int32_t rank2) const;
   RememberedContact remembered(std::int32_t m, const std::vector<double>& y) const;

@@ -179,8 +179,7 @@ NormalConstants Evaluation::normalConstants(const Contact& contact, NormalReques
 
 /// The force of one contact under a law by area.
 template <class Normal, class Shear>
-void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, double* rate,
-                         Extremes& extremes) {
+void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& extremes) {
   const Contact& contact = contacts_[n];
   ContactGeometry g;
   if (!contactGeometry(contact, g)) {
@@ -196,13 +195,13 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
   if constexpr (Shear::kHasMemory) {
     entry = memoryOfCandidate_[contact.candidate];
     if (entry >= 0) {
-      D = Eigen::Map<const Vector3>(y + stateSize() + 3 * entry);
+      D = Eigen::Map<const Vector3>(arrays.displacements + 3 * entry);
       g.slides = memory_[entry].slides;
       g.stiffnessBefore = memory_[entry].stiffness;
-      g.memoryStep = at.memoryStep;
+      g.memoryStep = arrays.at.memoryStep;
     } else if (g.isNew = true;
                xiDot > 0.0) {  // begun within this trial: it has slid since its overlap was zero
-      D = std::min(g.xi / xiDot, at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(law.shear)) *
+      D = std::min(g.xi / xiDot, arrays.at.sinceTrial) / (1.0 + stiffnessPower<Normal, double>(law.shear)) *
           (g.V - xiDot * g.N);
     }
   }
@@ -215,7 +214,7 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
                          .heating = memory.heating,
                          .slides = memory.slides,
                          .touches = true};
-    if (entry >= 0) Eigen::Map<Vector3>(rate + stateSize() + 3 * entry) = memory.rate;
+    if (entry >= 0) Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
   }
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;
@@ -225,8 +224,7 @@ void Evaluation::forceOf(std::int32_t n, const Moment& at, const double* y, doub
 }
 
 /// These contacts, all under this rule: by a kernel where there is one for the laws.
-void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays, const double* y,
-                             double* rate, Extremes& extremes) {
+void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays, Extremes& extremes) {
   if (run.which.empty()) return;
   const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
   const ShearLaw shear = run.pair->def.shear.law;
@@ -236,7 +234,7 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   withNormalLaw(normal, [&]<class Normal>(Normal) {
     if constexpr (Normal::kByArea) {
       withShearLaw(shear, [&]<class Shear>(Shear) {
-        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays.at, y, rate, extremes);
+        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays, extremes);
       });
     }
   });
@@ -245,8 +243,7 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
 /// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
 /// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
 /// in vain.
-void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& arrays, const double* y,
-                                      double* rate) {
+void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& arrays) {
   struct Run {
     PairRule rule{};
     bool onSurfaces = false;
@@ -261,7 +258,7 @@ void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& a
                  .ofBodies = run.rule.ofBodies,
                  .onSurfaces = run.onSurfaces,
                  .which = std::span(run.which).first(run.count)},
-                arrays, y, rate, extremes);
+                arrays, extremes);
     run.count = 0;
   };
   const ContactRange range = contactsOfPiece(piece);
@@ -304,7 +301,7 @@ void Evaluation::sumUpExtremes() {
 /// By pieces of rows, so that what one stage leaves is near when the next one wants it.
 void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<double>& y,
                                  std::vector<double>& rate) {
-  if (hasMemory_) std::fill(rate.begin() + stateSize(), rate.end(), 0.0);
+  if (hasMemory_) std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   const std::int32_t rows = layout_.dynamicParticles;
   const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
   contactsInPiece_.resize(pieces);
@@ -312,7 +309,7 @@ void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<
   forTimedPieces(pieces, [&](std::int32_t piece, PieceClock& clock) {
     findContacts(piece, arrays);  // candidates -> pairs with overlap > 0                  eq. 1
     clock.done(Stage::FindContacts);
-    computeContactForces(piece, arrays, y.data(), rate.data());  // the laws               eqs. 2-19
+    computeContactForces(piece, arrays);  // the laws                                       eqs. 2-19
     clock.done(Stage::ComputeContactForces);
     kernels_->sumRows(arrays, piece * kRowsPerPiece, std::min(rows, (piece + 1) * kRowsPerPiece));
     clock.done(Stage::SumWrenches);

@@ -133,8 +133,9 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   memory_.resize(entries);
   livesOn_.assign(memoryBefore_.size(), 0);
   settledOfRank_.assign(layout_.dynamicParticles, {});
+  const std::size_t lacking = lackingOf(rate, y);
   y.resize(stateSize() + 3 * entries);
-  rate.resize(y.size());
+  rate.resize(y.size() - lacking);
   executor_.forPieces(pieces, [&](std::int32_t piece) { settlePiece(piece, y, rate); });
   for (std::size_t m = 0; m < memoryBefore_.size(); ++m) {
     if (!livesOn_[m]) settledOfRank_[memoryBefore_[m].rank1].heat += memoryBefore_[m].energy;
@@ -145,7 +146,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
     sum.heating += settled.heating;
   }
   y[heatAt()] += sum.heat;
-  rate[heatAt()] += sum.heating;
+  rate[heatAt() - lacking] += sum.heating;
 }
 
 /// The memory of contacts in one piece of rows, into its places of memory_, y and rate.
@@ -170,7 +171,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
     memory_[m] = {rank, layout_.rankOfSlot[contact.slot2], memory.stiffness,
                   granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides};
     Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
-    Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
+    Eigen::Map<Vector3>(rate.data() + (stateSize() - lackingOf(rate, y)) + 3 * m) = memory.nextRate;
     ++m;
   }
   forgetUntil(list_.rowStart()[endRow]);

@@ -42,8 +42,10 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
                            std::vector<double>& to) {
   const StageTimer timer(evaluation_.stageSeconds[static_cast<int>(Stage::AdvanceState)]);
   const Layout& layout = evaluation_.layout();
+  const std::size_t lacking = lackingOf(rate, y);
   const auto driftOwner = [&](std::int32_t place) {
-    const auto own = layout.numbersAt(place, y.data()), change = layout.numbersAt(place, rate.data());
+    const auto own = layout.numbersAt(place, y.data());
+    const auto change = layout.ratesAt(place, rate.data(), lacking);
     const auto out = layout.numbersAt(place, to.data());
     out.position() = own.position() + drift.time * (own.velocity() + drift.poseKick * change.velocity());
     const Vector3 L = own.angularMomentum() + drift.poseKick * change.angularMomentum();
@@ -55,7 +57,7 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
   const DriftArrays arrays{.drift = drift,
                            .poses = y.data(),
                            .momenta = y.data() + firstMomentum,
-                           .rates = rate.data() + firstMomentum,
+                           .rates = rate.data() + (firstMomentum - lacking),
                            .posesTo = to.data(),
                            .momentaTo = to.data() + firstMomentum,
                            .inverseInertia = layout.isotropicInverseInertia.data()};
@@ -69,7 +71,7 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
   executor().forRanges(static_cast<std::int64_t>(y.size() - memory), kNumbersPerPiece,
                        [&](std::int64_t begin, std::int64_t end) {
                          for (std::size_t i = memory + begin; i < memory + end; ++i) {
-                           to[i] = y[i] + drift.memory * rate[i];
+                           to[i] = y[i] + drift.memory * rate[i - lacking];
                          }
                        });
 }
@@ -78,10 +80,11 @@ void GrainEquations::kick(const std::vector<double>& y, double first, const std:
                           double second, const std::vector<double>& rate1, std::vector<double>& to) {
   const StageTimer timer(evaluation_.stageSeconds[static_cast<int>(Stage::AdvanceState)]);
   const std::size_t from = evaluation_.layout().firstMomentum();
+  const std::size_t lacking = lackingOf(rate0, y);  // both are of one stepper
   executor().forRanges(static_cast<std::int64_t>(evaluation_.stateSize() - from), kNumbersPerPiece,
                        [&](std::int64_t begin, std::int64_t end) {
                          for (std::size_t i = from + begin; i < from + end; ++i) {
-                           to[i] = y[i] + first * rate0[i] + second * rate1[i];
+                           to[i] = y[i] + first * rate0[i - lacking] + second * rate1[i - lacking];
                          }
                        });
 }

@@ -163,6 +163,12 @@ struct Layout {
   OwnerNumbers<double> numbersAt(std::int64_t place, double* y) const {
     return {y + place * state::kPoseSize, y + firstMomentum() + place * state::kMomentaSize};
   }
+  /// Its rates, of which those of poses may be lacking: then there is no pose.
+  template <class Number>
+  OwnerNumbers<Number> ratesAt(std::int64_t place, Number* rate, std::size_t lacking) const {
+    return {lacking == 0 ? rate + place * state::kPoseSize : nullptr,
+            rate + (firstMomentum() - lacking) + place * state::kMomentaSize};
+  }
   template <class Number>
   OwnerNumbers<Number> numbersOf(std::int32_t owner, Number* y) const {
     return numbersAt(placeOfOwner[owner], y);

@@ -236,18 +236,20 @@ RigidMotion GranularSystem::Impl::readOwner(std::int32_t o) const {
 void GranularSystem::Impl::sortState() {
   const std::vector<std::int32_t> from = evaluation.sortPlaces(y);
   const detail::Layout& layout = evaluation.layout();
-  std::vector<std::vector<double>*> inOrder = stepper->kept();
-  inOrder.push_back(&y);
   std::vector<double>& before = stepper->result();  // of a trial that is over
-  for (std::vector<double>* numbers : inOrder) {
-    if (numbers->size() < from.size() * state::kSize) continue;  // of another layout: nothing in it is read
-    before.assign(numbers->begin(), numbers->end());
+  const auto reorder = [&](double* rows, std::size_t size) {
+    before.assign(rows, rows + from.size() * size);
     for (std::size_t place = 0; place < from.size(); ++place) {
-      const auto source = layout.numbersAt(from[place], std::as_const(before).data());
-      const auto target = layout.numbersAt(static_cast<std::int64_t>(place), numbers->data());
-      std::copy_n(source.pose, state::kPoseSize, target.pose);
-      std::copy_n(source.momenta, state::kMomentaSize, target.momenta);
+      std::copy_n(before.data() + from[place] * size, size, rows + place * size);
     }
+  };
+  reorder(y.data(), state::kPoseSize);
+  reorder(y.data() + layout.firstMomentum(), state::kMomentaSize);
+  const std::size_t poses = stepper->needsPoseRates() ? layout.firstMomentum() : 0;
+  for (std::vector<double>* rates : stepper->kept()) {
+    if (rates->size() < poses + from.size() * state::kMomentaSize) continue;  // of another layout: not read
+    if (poses > 0) reorder(rates->data(), state::kPoseSize);
+    reorder(rates->data() + poses, state::kMomentaSize);
   }
 }
 

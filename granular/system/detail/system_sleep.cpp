@@ -215,7 +215,8 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
   for (std::int32_t o = 0; o < dynamic; ++o) {
     const detail::Owner& owner = layout.owners[o];
     const bool isGrain = owner.kind == OwnerKind::Grain;
-    const auto rate = layout.numbersOf(o, stepper->firstRate().data());
+    const auto rate = layout.ratesAt(layout.placeOfOwner[o], stepper->firstRate().data(),
+                                     lackingOf(stepper->firstRate(), y));
     const Vector3 force = rate.velocity() / owner.inverseMass, torque = rate.angularMomentum();
     const Pose pose = readOwner(o).pose;
     detail::Rest& rest = (isGrain ? restOfGrain : restOfBody)[owner.index];
