@@ -120,7 +120,7 @@ void GranularSystem::setMaterialPair(MaterialId a, MaterialId b, const MaterialP
   impl_->pairDefs[std::minmax(a.index, b.index)] = def;
   impl_->combined.clear();
   impl_->wakeAll();
-  impl_->layoutIsOld = true;
+  impl_->everythingChanged();
 }
 
 MaterialPairDef GranularSystem::materialPair(MaterialId a, MaterialId b) const {
@@ -172,6 +172,8 @@ GrainId GranularSystem::addGrain(const GrainDef& def) {
       .velocity = def.velocity,
       .angularVelocity = def.angularVelocity};
   ++s.aliveGrains;
+  makeRoom(s.awakeGrains, s.awakeGrains.size() + 1);
+  s.awakeGrains.push_back(index);
   s.layoutIsOld = true;
   return {index, record.generation};
 }
@@ -233,6 +235,7 @@ void GranularSystem::removeBody(BodyId id) {
   Impl& s = *impl_;
   BodyRecord& record = s.body(id);
   s.wakeTouching(id.index);
+  s.removeSleeper({OwnerKind::Body, id.index});
   record.alive = record.asleep = false;
   ++record.generation;
   s.freeBodies.push_back(id.index);
@@ -241,7 +244,7 @@ void GranularSystem::removeBody(BodyId id) {
            static_cast<std::int32_t>(pair & 0xffffffffu) == id.index;
   });
   --s.aliveBodies;
-  s.layoutIsOld = true;
+  s.everythingChanged();
 }
 
 void GranularSystem::setBodyPairContact(BodyId a, BodyId b, bool enabled) {
@@ -355,7 +358,7 @@ void GranularSystem::setBodyMass(BodyId id, double mass, const Vector3& principa
   record.mass = mass;
   record.inertia = principalInertia;
   impl_->wake(OwnerKind::Body, id.index);
-  impl_->layoutIsOld = true;
+  impl_->everythingChanged();
 }
 
 void GranularSystem::setBodyFactors(BodyId id, const Vector3& linearFactor, const Vector3& angularFactor) {
@@ -381,7 +384,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   const detail::Layout& layout = s.evaluation.layout();
   const std::int32_t owner = s.ownerOfBody[id.index];
   const Vector3 center = s.bodies[id.index].motion.pose.position;
-  Wrench sum = s.frozenWrenches[id.index];
+  Wrench sum = s.frozen.wrenchOn(id.index, center);
   s.evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
     const bool first = layout.ownerOfSlot[contact.slot1] == owner;
     if (!first && layout.ownerOfSlot[contact.slot2] != owner) return;
@@ -583,16 +586,17 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
     view.overlap = f.overlap;
     contacts.push_back(view);
   });
-  if (impl_->evaluation.layout().sleeperCount() > 0) impl_->addFrozen(contacts);
+  if (!impl_->frozen.empty()) impl_->addFrozen(contacts);
 }
 
 std::vector<RememberedContact> GranularSystem::contactMemory() const {
   const Impl& s = *impl_;
   if (s.givenMemory) return *s.givenMemory;
   std::vector<RememberedContact> memory = s.evaluation.exportMemory(s.y);
+  memory.insert(memory.end(), s.thawed.begin(), s.thawed.end());
   if (s.frozen.empty()) return memory;
   memory = s.amongAwake(std::move(memory));  // others were frozen since the last evaluation
-  for (const FrozenContact& contact : s.frozen) {
+  for (const FrozenContact& contact : s.frozen.all()) {
     if (contact.remembers) memory.push_back(contact.memory);
   }
   return memory;

@@ -33,20 +33,56 @@ std::vector<RememberedContact> GranularSystem::Impl::amongAwake(std::vector<Reme
   return memory;
 }
 
-/// What the next layout's contacts remember. Frozen contacts of what has woken are among them, and frozen no
-/// longer; those of owners that are gone are forgotten.
+/// What the next layout's contacts remember. Those of owners that are gone are forgotten.
 std::vector<RememberedContact> GranularSystem::Impl::memoryOfAwake() {
   std::vector<RememberedContact> memory = evaluation.exportMemory(y);
-  if (frozen.empty()) return memory;
-  memory = amongAwake(std::move(memory));
-  std::erase_if(frozen, [&](const FrozenContact& contact) {
+  memory.insert(memory.end(), thawed.begin(), thawed.end());
+  thawed.clear();
+  return frozen.empty() ? memory : amongAwake(std::move(memory));
+}
+
+bool GranularSystem::Impl::isAsleep(detail::OwnerKey owner) const {
+  return owner.kind == OwnerKind::Grain ? grains[owner.index].asleep : bodies[owner.index].asleep;
+}
+
+/// Contacts of one that has woken are frozen no longer; what they remember is kept.
+void GranularSystem::Impl::thaw(detail::OwnerKey owner) {
+  for (const FrozenContact& contact : frozen.takeOut(owner)) {
     const RememberedContact& c = contact.memory;
-    const bool isThere = exists(c);
-    if (isThere && !isAwake(c.kind[0], c.index[0]) && !isAwake(c.kind[1], c.index[1])) return false;
-    if (isThere && contact.remembers) memory.push_back(c);
-    return true;
-  });
-  return memory;
+    for (int side = 0; side < 2; ++side) sleepers.noteChange({c.kind[side], c.index[side]});
+    if (contact.remembers) thawed.push_back(c);
+  }
+}
+
+/// One that is removed leaves no contacts.
+void GranularSystem::Impl::removeSleeper(detail::OwnerKey owner) {
+  if (!isAsleep(owner)) return;
+  sleepers.end(owner);
+  for (const FrozenContact& contact : frozen.takeOut(owner)) {
+    for (int side = 0; side < 2; ++side) {
+      sleepers.noteChange({contact.memory.kind[side], contact.memory.index[side]});
+    }
+  }
+  if (owner.kind == OwnerKind::Grain) sleepingGrains.remove(owner.index);
+}
+
+detail::SleeperTraits GranularSystem::Impl::traitsOf(detail::OwnerKey owner) const {
+  detail::SleeperTraits traits;
+  if (owner.kind == OwnerKind::Grain) {
+    const detail::GrainRecord& record = grains[owner.index];
+    traits.center = grainMotions[owner.index].pose.position;
+    traits.weight = record.mass * gravity;
+    traits.reach = record.scale * shapes[record.shape.index].boundingRadius;
+    return traits;
+  }
+  const detail::BodyRecord& record = bodies[owner.index];
+  traits.center = record.motion.pose.position;
+  traits.weight = record.mass * record.gravity.value_or(gravity);
+  traits.hostLoad = record.load;
+  traits.linearFactor = record.linearFactor;
+  traits.angularFactor = record.angularFactor;
+  traits.reach = record.reach;
+  return traits;
 }
 
 void GranularSystem::Impl::loadSleepers() {
@@ -60,43 +96,6 @@ void GranularSystem::Impl::loadSleepers() {
   }
 }
 
-/// Everything about sleepers that stays until somebody wakes or falls asleep.
-void GranularSystem::Impl::sumFrozen() {
-  const detail::Layout& layout = evaluation.layout();
-  frozenTotals = {};
-  frozenEnds.clear();
-  frozenWrenches.assign(bodies.size(), Wrench{});
-  for (const FrozenContact& contact : frozen) {
-    const RememberedContact& c = contact.memory;
-    std::int32_t owners[2];
-    for (int side = 0; side < 2; ++side) {
-      const bool isBody = c.kind[side] == OwnerKind::Body;
-      owners[side] = (isBody ? ownerOfBody : ownerOfGrain)[c.index[side]];
-      if (!isBody) continue;
-      const Vector3 force = side == 0 ? contact.force : Vector3(-contact.force);
-      Wrench& wrench = frozenWrenches[c.index[side]];
-      wrench.force += force;
-      wrench.torque += (contact.point - bodies[c.index[side]].motion.pose.position).cross(force);
-    }
-    frozenEnds.push_back({owners[0], owners[1]});
-    frozenTotals.elastic += contact.normalEnergy + memoryEnergy(c.stiffness, c.displacement);
-    frozenTotals.overlapSum += contact.relativeOverlap;
-    frozenTotals.largestOverlap = std::max(frozenTotals.largestOverlap, contact.relativeOverlap);
-  }
-  std::vector<Vector3> weights;
-  std::vector<Wrench> loads;
-  for (std::int32_t o = layout.firstSleeper; o < static_cast<std::int32_t>(layout.owners.size()); ++o) {
-    const detail::Owner& owner = layout.owners[o];
-    const bool isGrain = owner.kind == OwnerKind::Grain;
-    const Vector3 pull = isGrain ? gravity : bodies[owner.index].gravity.value_or(gravity);
-    const double mass = isGrain ? grains[owner.index].mass : bodies[owner.index].mass;
-    weights.push_back(mass * pull);
-    loads.push_back(isGrain ? Wrench{} : bodies[owner.index].load);
-    frozenTotals.potential -= mass * owner.body->linearFactor.cwiseProduct(pull).dot(evaluation.center(o));
-  }
-  sleeperLoads.reset(evaluation, frozen, frozenEnds, weights, loads);
-}
-
 /// The quiet ones stand still from now on, and contacts among what stands still stay as they are. What was
 /// left of their motion has become heat.
 void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
@@ -104,17 +103,23 @@ void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
   const auto isStill = [&](std::int32_t o) { return o < layout.dynamicCount() ? quiet[o] : !movesUnfelt(o); };
   evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
     if (!isStill(layout.ownerOfSlot[contact.slot1]) || !isStill(layout.ownerOfSlot[contact.slot2])) return;
-    FrozenContact& still = frozen.emplace_back();
+    FrozenContact still;
     still.remembers = evaluation.describe(contact, y, still.memory);
     still.force = f.force;
     still.point = f.point;
     still.overlap = f.overlap;
     still.relativeOverlap = evaluation.relativeOverlap(contact, f.overlap);
     still.normalEnergy = evaluation.elasticEnergy(contact, f);
+    frozen.add(still);
+    for (int side = 0; side < 2; ++side) {
+      sleepers.noteChange({still.memory.kind[side], still.memory.index[side]});
+    }
   });
+  std::vector<detail::SleeperGrid::Grain> nowAsleep;
   for (std::int32_t o = 0; o < layout.dynamicCount(); ++o) {
     if (!quiet[o]) continue;
     const detail::Owner& owner = layout.owners[o];
+    const bool isGrain = owner.kind == OwnerKind::Grain;
     const auto own = layout.numbersOf(o, y.data());
     auto velocity = own.velocity(), angularMomentum = own.angularMomentum();
     const Vector3 momentum = velocity / owner.inverseMass;
@@ -122,9 +127,21 @@ void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
     heldImpulse += momentum;
     velocity.setZero();
     angularMomentum.setZero();
-    (owner.kind == OwnerKind::Grain ? grains[owner.index].asleep : bodies[owner.index].asleep) = true;
-    sleeperLoads.begin(owner.kind, owner.index, clock);
+    (isGrain ? grains[owner.index].asleep : bodies[owner.index].asleep) = true;
+    sleepers.begin({owner.kind, owner.index}, clock);
+    if (isGrain) nowAsleep.push_back({owner.index, own.position(), owner.reach});
     ++fellAsleep;
+  }
+  sleepingGrains.insert(nowAsleep);
+}
+
+/// What frozen contacts do to kinematic bodies until somebody wakes or falls asleep.
+void GranularSystem::Impl::noteFrozenOnKinematic() {
+  const detail::Layout& layout = evaluation.layout();
+  frozenOnKinematic.clear();
+  for (std::int32_t o = layout.dynamicCount(); o < layout.movingCount(); ++o) {
+    const std::int32_t b = layout.owners[o].index;
+    frozenOnKinematic.push_back(frozen.wrenchOn(b, bodies[b].motion.pose.position));
   }
 }
 
@@ -138,18 +155,17 @@ void GranularSystem::Impl::storeSleepers(double dt) {
     record.impulse.force -= dt * (record.linearFactor.cwiseProduct(weight) + record.load.force);
     record.impulse.torque -= dt * record.load.torque;
   }
-  if (frozen.empty()) return;
-  for (std::int32_t o = layout.dynamicCount(); o < layout.movingCount(); ++o) {
-    const std::int32_t b = layout.owners[o].index;
-    bodies[b].impulse.force += dt * frozenWrenches[b].force;
-    bodies[b].impulse.torque += dt * frozenWrenches[b].torque;
+  for (std::int32_t k = 0; k < layout.kinematicBodies; ++k) {
+    Wrench& impulse = bodies[layout.owners[layout.dynamicCount() + k].index].impulse;
+    impulse.force += dt * frozenOnKinematic[k].force;
+    impulse.torque += dt * frozenOnKinematic[k].torque;
   }
 }
 
 /// Puts frozen contacts among those that were evaluated, each seen from the owner that it is seen from when
 /// all are awake, in the order that they then have.
 void GranularSystem::Impl::addFrozen(std::vector<ContactView>& contacts) const {
-  for (const FrozenContact& still : frozen) {
+  for (const FrozenContact& still : frozen.all()) {
     ContactView view{.point = still.point, .force = still.force, .overlap = still.overlap};
     for (int side = 0; side < 2; ++side) {
       view.ownerKind[side] = still.memory.kind[side];
@@ -181,29 +197,40 @@ void GranularSystem::Impl::addFrozen(std::vector<ContactView>& contacts) const {
 /// has just put there.
 void GranularSystem::Impl::putToSleep(const SleepState& kept) {
   wakeAll();
-  frozen.clear();
-  layoutIsOld = true;
+  thawed.clear();
+  everythingChanged();
   if (!sleep.enabled) return;
   placedBodies.clear();
   restOfGrain.resize(grains.size(), detail::Rest{clock, {}});
   restOfBody.resize(bodies.size(), detail::Rest{clock, {}});
   guardedFrom.assign(bodies.size(), std::nullopt);
+  std::vector<detail::SleeperGrid::Grain> nowAsleep;
   for (const SleepState::Sleeper& sleeper : kept.sleepers) {
     if (!exists(sleeper.kind, sleeper.index) || !isAwake(sleeper.kind, sleeper.index)) continue;
+    const detail::OwnerKey owner{sleeper.kind, sleeper.index};
     const bool isGrain = sleeper.kind == OwnerKind::Grain;
     (isGrain ? grains[sleeper.index].asleep : bodies[sleeper.index].asleep) = true;
-    sleeperLoads.begin(sleeper.kind, sleeper.index, clock, sleeper.held);
+    sleepers.begin(owner, clock, sleeper.held);
+    const detail::SleeperTraits traits = traitsOf(owner);
+    if (isGrain) nowAsleep.push_back({sleeper.index, traits.center, traits.reach});
   }
+  sleepingGrains.insert(nowAsleep);
   for (const FrozenContact& contact : kept.frozen) {
-    if (exists(contact.memory)) frozen.push_back(contact);
+    const RememberedContact& c = contact.memory;
+    if (!exists(c)) continue;
+    if (!isAwake(c.kind[0], c.index[0]) && !isAwake(c.kind[1], c.index[1])) {
+      frozen.add(contact);
+    } else if (contact.remembers) {
+      thawed.push_back(c);
+    }
   }
 }
 
 SleepState GranularSystem::sleepState() const {
   const Impl& s = *impl_;
-  SleepState kept{.sleepers = {}, .frozen = s.frozen};
+  SleepState kept{.sleepers = {}, .frozen = s.frozen.all()};
   const auto add = [&](OwnerKind kind, std::int32_t index) {
-    kept.sleepers.push_back({kind, index, s.sleeperLoads.heldBy(kind, index, s.sleep.restTime)});
+    kept.sleepers.push_back({kind, index, s.sleepers.heldBy({kind, index}, s.sleep.restTime)});
   };
   for (std::int32_t g = 0; g < static_cast<std::int32_t>(s.grains.size()); ++g) {
     if (s.grains[g].alive && s.grains[g].asleep) add(OwnerKind::Grain, g);

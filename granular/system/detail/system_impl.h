@@ -14,8 +14,10 @@
 #include "granular/dynamics/step_control.h"
 #include "granular/dynamics/step_method.h"
 #include "granular/system/detail/evaluation.h"
+#include "granular/system/detail/frozen_contacts.h"
 #include "granular/system/detail/grain_equations.h"
 #include "granular/system/detail/layout.h"
+#include "granular/system/detail/sleeper_grid.h"
 #include "granular/system/detail/sleepers.h"
 #include "granular/system/granular_system.h"
 
@@ -84,6 +86,11 @@ class GranularSystem::Impl {
     bool isSmallest = false;      // at IntegratorDef::smallestSubStep
     bool mustBeAccepted = false;  // whatever its error
   };
+  /// Where an owner was when it was found out which sleepers are near, and within how far they are.
+  struct Watch {
+    Vector3 center;    // m
+    double way = 0.0;  // m; negative: nothing was looked for
+  };
 
   // ---- what the host added
   Vector3 gravity;
@@ -126,20 +133,25 @@ class GranularSystem::Impl {
 
   // ---- sleep
   SleepDef sleep;
-  std::vector<FrozenContact> frozen;  // in the order in which they were frozen
-  detail::FrozenTotals frozenTotals;
-  detail::SleeperLoads sleeperLoads;
+  detail::FrozenContacts frozen;
+  std::vector<RememberedContact> thawed;  // of contacts frozen no longer, for the next layout
+  detail::Sleepers sleepers{[this](detail::OwnerKey owner) { return traitsOf(owner); }};
+  std::vector<std::int32_t> awakeGrains;  // in order
+  detail::SleeperGrid sleepingGrains;
+  bool layoutHasAll = true;    // or only those sleepers that are near who is
+  std::vector<Watch> watched;  // by owner that does not sleep; nothing where the layout has all
+  double smallestRadius = 0.0, largestRadius = 0.0;  // as in Layout, of all that is there, m
+  std::vector<Wrench> frozenOnKinematic;             // since the layout was made
+  bool everythingIsOld = true;  // something was added or removed, so that scales are measured anew
   std::vector<detail::Rest> restOfGrain, restOfBody;  // by index
   std::vector<std::optional<Pose>> guardedFrom;       // by BodyId::index: as in wakeNearMoving
   std::vector<std::int32_t> placedBodies;             // by hand since the last sub-step, not dynamic ones
-  std::vector<std::pair<std::int32_t, std::int32_t>> frozenEnds;  // owners of each frozen contact
-  std::vector<Wrench> frozenWrenches;                             // on bodies, by BodyId::index
-  double partStart = 0.0;                  // simulated time when the present integrate() began, s
-  double clock = 0.0;                      // simulated time when sleepers were last looked at, s
-  double nextInspection = 0.0;             // s
-  double nextWaking = 0.0;                 // s; before, only who cannot wait wakes
-  Vector3 heldImpulse = Vector3::Zero();   // N s
-  std::int64_t fellAsleep = 0, woken = 0;  // since the step began
+  double partStart = 0.0;                             // simulated time when the present integrate() began, s
+  double clock = 0.0;                                 // simulated time when sleepers were last looked at, s
+  double nextInspection = 0.0;                        // s
+  double nextWaking = 0.0;                            // s; before, only who cannot wait wakes
+  Vector3 heldImpulse = Vector3::Zero();              // N s
+  std::int64_t fellAsleep = 0, woken = 0;             // since the step began
 
   // ---- look-ups that check
   const detail::GrainRecord& grain(GrainId id) const;
@@ -151,7 +163,9 @@ class GranularSystem::Impl {
   void prepare();
   void makeLayout();
   void noteFilters();
-  std::int32_t addGrains(bool asleep);
+  std::int32_t addGrains(const std::vector<std::int32_t>& indices);
+  void measureScales();
+  void everythingChanged();
   std::int32_t addBodies(BodyMotion type, bool asleep);
   const std::vector<MaterialPair>& materialPairs();
   void loadSurroundings();
@@ -176,7 +190,7 @@ class GranularSystem::Impl {
   Totals sumUp();
   void addOwner(std::int32_t o, Totals& sum) const;
 
-  // ---- sleep (system_sleep.cpp, system_frozen.cpp)
+  // ---- sleep (system_sleep.cpp, system_near.cpp, system_frozen.cpp)
   bool isAwake(OwnerKind kind, std::int32_t index) const;
   void wake(OwnerKind kind, std::int32_t index);
   void wakeAll();
@@ -186,8 +200,15 @@ class GranularSystem::Impl {
   bool exists(const RememberedContact& c) const;
   std::vector<RememberedContact> memoryOfAwake();
   std::vector<RememberedContact> amongAwake(std::vector<RememberedContact> memory) const;
+  bool isAsleep(detail::OwnerKey owner) const;
+  void thaw(detail::OwnerKey owner);
+  void removeSleeper(detail::OwnerKey owner);
+  detail::SleeperTraits traitsOf(detail::OwnerKey owner) const;
   void loadSleepers();
-  void sumFrozen();
+  void updateAwakeGrains();
+  std::vector<std::int32_t> findNearSleepers();
+  Watch watchOf(std::int32_t o, bool isPlaced) const;
+  bool leavesNear() const;
   bool sleepOrWake(double now);
   bool wakeUnbalanced(double now, double passed);
   bool wakeNearMoving();
@@ -197,6 +218,7 @@ class GranularSystem::Impl {
   void keepAwakeNearMoving(std::vector<char>& quiet) const;
   void markNear(std::int32_t body, std::int32_t first, std::int32_t last, std::vector<char>& near) const;
   void freeze(const std::vector<char>& quiet);
+  void noteFrozenOnKinematic();
   void storeSleepers(double dt);
   void addFrozen(std::vector<ContactView>& contacts) const;
   void putToSleep(const SleepState& kept);

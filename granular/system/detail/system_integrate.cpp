@@ -87,7 +87,7 @@ double GranularSystem::Impl::trialBound(const detail::EvaluationSummary& seen) {
 /// Longest trial in which a contact may begin, let go or end, s; infinite where it does not matter.
 double GranularSystem::Impl::eventBound() const {
   const detail::EvaluationSummary& seen = equations.seen();
-  const std::int64_t contacts = seen.contacts + std::ssize(frozen);
+  const std::int64_t contacts = seen.contacts + frozen.size();
   if (!equations.hasEvent() || contacts > integrator.eventContacts || !(seen.urgency > 0.0)) {
     return std::numeric_limits<double>::infinity();
   }

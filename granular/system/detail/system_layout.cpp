@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "granular/base/require.h"
+#include "granular/base/room.h"
 #include "granular/system/detail/system_impl.h"
 
 namespace granular {
@@ -50,11 +51,13 @@ void GranularSystem::Impl::prepare() {
   loadSurroundings();
   loadSleepers();
   evaluation.reset(materialPairs(), materials);
-  contactTimeAtReference = evaluation.referenceContactTime();
+  const double contactTime = evaluation.referenceContactTime();
+  contactTimeAtReference = layoutHasAll ? contactTime : std::min(contactTimeAtReference, contactTime);
   loadState();
   evaluation.importMemory(memory, y);
-  sumFrozen();
-  layoutIsOld = false;
+  sleepers.update(frozen);
+  noteFrozenOnKinematic();
+  layoutIsOld = everythingIsOld = false;
   startIsCurrent = false;
 }
 
@@ -64,13 +67,23 @@ void GranularSystem::Impl::surroundingsChanged() {
   startIsCurrent = false;
 }
 
-/// Puts grains that are awake, or those that are not, into the layout. Returns how many.
-std::int32_t GranularSystem::Impl::addGrains(bool asleep) {
+/// Something was added or removed, or weighs something else.
+void GranularSystem::Impl::everythingChanged() {
+  layoutIsOld = everythingIsOld = true;
+}
+
+/// Takes out who has fallen asleep or is gone, and puts in order who has come.
+void GranularSystem::Impl::updateAwakeGrains() {
+  std::erase_if(awakeGrains, [&](std::int32_t g) { return !isAwake(OwnerKind::Grain, g); });
+  std::sort(awakeGrains.begin(), awakeGrains.end());
+  awakeGrains.erase(std::unique(awakeGrains.begin(), awakeGrains.end()), awakeGrains.end());
+}
+
+/// Puts these grains into the layout. Returns how many they are.
+std::int32_t GranularSystem::Impl::addGrains(const std::vector<std::int32_t>& indices) {
   detail::Layout& layout = evaluation.layout();
-  const std::size_t before = layout.owners.size();
-  for (std::int32_t g = 0; g < static_cast<std::int32_t>(grains.size()); ++g) {
+  for (const std::int32_t g : indices) {
     const GrainRecord& record = grains[g];
-    if (!record.alive || record.asleep != asleep) continue;
     const GrainShape& shape = shapes[record.shape.index];
     ownerOfGrain[g] = static_cast<std::int32_t>(layout.owners.size());
     detail::Owner& owner = layout.owners.emplace_back();
@@ -85,10 +98,10 @@ std::int32_t GranularSystem::Impl::addGrains(bool asleep) {
     owner.reach = record.scale * shape.boundingRadius;
     owner.material = record.material.index;
   }
-  return static_cast<std::int32_t>(layout.owners.size() - before);
+  return static_cast<std::int32_t>(indices.size());
 }
 
-/// The same for bodies that move in this way.
+/// Puts bodies that move in this way into it, those that are awake or those that are not.
 std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
   detail::Layout& layout = evaluation.layout();
   const std::size_t before = layout.owners.size();
@@ -124,20 +137,27 @@ std::int32_t GranularSystem::Impl::addBodies(BodyMotion type, bool asleep) {
 
 void GranularSystem::Impl::makeLayout() {
   detail::Layout& layout = evaluation.layout();
+  for (const detail::Owner& owner : layout.owners) {
+    if (owner.kind == OwnerKind::Grain) ownerOfGrain[owner.index] = -1;
+  }
+  makeRoom(ownerOfGrain, grains.size());
+  ownerOfGrain.resize(grains.size(), -1);
   layout = {};
-  layout.owners.reserve(aliveGrains + aliveBodies);
-  ownerOfGrain.assign(grains.size(), -1);
   ownerOfBody.assign(bodies.size(), -1);
-  addGrains(false);
-  layout.dynamicGrains = static_cast<std::int32_t>(layout.owners.size());
+  updateAwakeGrains();
+  layout.owners.reserve(awakeGrains.size() + aliveBodies);
+  layout.dynamicGrains = addGrains(awakeGrains);
   layout.dynamicBodies = addBodies(BodyMotion::Dynamic, false);
   layout.kinematicBodies = addBodies(BodyMotion::Kinematic, false);
   addBodies(BodyMotion::Static, false);
   layout.firstSleeper = static_cast<std::int32_t>(layout.owners.size());
-  layout.sleepingGrains = addGrains(true);
+  const std::vector<std::int32_t> near = findNearSleepers();
+  layout.owners.reserve(awakeGrains.size() + near.size() + aliveBodies);
+  layout.sleepingGrains = addGrains(near);
   addBodies(BodyMotion::Dynamic, true);
   noteFilters();
   layout.finish();
+  measureScales();
   layout.sortPlaces([&](std::int32_t o) { return motionOf(layout.owners[o]).pose.position; });
 }
 
@@ -162,6 +182,20 @@ void GranularSystem::Impl::noteFilters() {
     if (a >= 0 && b >= 0) rules.excludedPairs.push_back(MeetingRules::pairKey(a, b));
   }
   std::sort(rules.excludedPairs.begin(), rules.excludedPairs.end());
+}
+
+/// Scales are those of all that is there, whoever is in the layout.
+void GranularSystem::Impl::measureScales() {
+  detail::Layout& layout = evaluation.layout();
+  if (layoutHasAll) {
+    smallestRadius = layout.smallestRadius;
+    largestRadius = layout.largestRadius;
+  } else if (layout.particleCount > 0) {
+    smallestRadius = std::min(smallestRadius, layout.smallestRadius);
+    largestRadius = std::max(largestRadius, layout.largestRadius);
+  }
+  layout.smallestRadius = smallestRadius;
+  layout.largestRadius = largestRadius;
 }
 
 /// Of materials a and b at a * count + b. Finding a damping by impacts takes milliseconds, and a layout is

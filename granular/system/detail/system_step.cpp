@@ -176,9 +176,9 @@ void GranularSystem::Impl::measure(StepReport& report) {
   const detail::EvaluationSummary& seen = startSummary;
   report.time = time;
   report.candidates = evaluation.candidateCount();
-  report.frozenContacts = std::ssize(frozen);
+  report.frozenContacts = frozen.size();
   report.contacts = seen.contacts + report.frozenContacts;
-  report.largestOverlap = std::max({report.largestOverlap, seen.largestOverlap, frozenTotals.largestOverlap});
+  report.largestOverlap = std::max({report.largestOverlap, seen.largestOverlap, frozen.largestOverlap()});
   report.awakeGrains = layout.dynamicGrains;
   report.awakeBodies = layout.dynamicBodies;
   report.fellAsleep = fellAsleep;
@@ -192,9 +192,9 @@ void GranularSystem::Impl::measure(StepReport& report) {
   report.energy.elastic += sum.elastic;
   report.momentum += sum.momentum;
   report.angularMomentum += sum.angularMomentum;
-  const double overlapSum = frozenTotals.overlapSum + sum.overlap;
-  report.energy.elastic += evaluation.memoryEnergy() + frozenTotals.elastic;
-  report.energy.potential += frozenTotals.potential;
+  const double overlapSum = frozen.overlapSum() + sum.overlap;
+  report.energy.elastic += evaluation.memoryEnergy() + frozen.elastic();
+  report.energy.potential += sleepers.potential();
   if (report.contacts > 0) report.meanOverlap = overlapSum / static_cast<double>(report.contacts);
   report.workByMovedBodies = workByMoved;
   report.workByLoads = workByLoads;
@@ -203,11 +203,12 @@ void GranularSystem::Impl::measure(StepReport& report) {
 }
 
 void GranularSystem::Impl::removeGrain(std::int32_t index) {
+  removeSleeper({OwnerKind::Grain, index});
   grains[index].alive = grains[index].asleep = false;
   ++grains[index].generation;
   freeGrains.push_back(index);
   --aliveGrains;
-  layoutIsOld = true;
+  everythingChanged();
 }
 
 }  // namespace granular
