@@ -14,6 +14,7 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/pressed_patch_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/refusal_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sleep_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/sleepers_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp

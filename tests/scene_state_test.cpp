@@ -128,7 +128,17 @@ void expectSameSleep(const granular::SleepState& a, const granular::SleepState& 
     EXPECT_EQ(a.sleepers[i].index, b.sleepers[i].index);
     EXPECT_EQ(a.sleepers[i].held.force, b.sleepers[i].held.force);
     EXPECT_EQ(a.sleepers[i].held.torque, b.sleepers[i].held.torque);
+    EXPECT_EQ(a.sleepers[i].carried, b.sleepers[i].carried);
   }
+  ASSERT_EQ(a.resters.size(), b.resters.size());
+  for (std::size_t i = 0; i < a.resters.size(); ++i) {
+    EXPECT_EQ(a.resters[i].kind, b.resters[i].kind);
+    EXPECT_EQ(a.resters[i].index, b.resters[i].index);
+    EXPECT_EQ(a.resters[i].seconds, b.resters[i].seconds);
+    EXPECT_EQ(a.resters[i].pose.position, b.resters[i].pose.position);
+  }
+  EXPECT_EQ(a.untilLook, b.untilLook);
+  EXPECT_EQ(a.untilWaking, b.untilWaking);
   ASSERT_EQ(a.frozen.size(), b.frozen.size());
   for (std::size_t i = 0; i < a.frozen.size(); ++i) {
     EXPECT_EQ(a.frozen[i].force, b.frozen[i].force);
@@ -143,6 +153,7 @@ void expectSameSleep(const granular::SleepState& a, const granular::SleepState& 
 TEST(SavedState, KeepsWhoSleepsBitForBit) {
   const SavedState state = stateAsleep();
   ASSERT_GT(state.sleep.frozen.size(), 0u);
+  ASSERT_GT(state.sleep.resters.size(), 0u);
   const auto file = scratch("asleep");
   writeState(state, file);
   const SavedState read = readState(file);

@@ -267,6 +267,37 @@ TEST(Sleep, SavedSleepersWakeWithWhatTheyRemembered) {
   for (std::size_t i = 0; i < contacts[0].size(); ++i) EXPECT_EQ(contacts[0][i].force, contacts[1][i].force);
 }
 
+TEST(Sleep, RunThatGoesOnFromAStateFallsAsleepWhenTheOneThatNeverStoppedDoes) {
+  // Equal sub-steps, as step control begins anew, and balls that do not turn, whose spin would be rounded.
+  // The state is saved when they have rested for a part of restTime: without what is kept of that the second
+  // one would rest for all of it once more.
+  const auto prepare = [](Scene& scene) {
+    scene.system.setIntegrator({.fixedSubStep = 2e-4});
+    scene.system.setSleep({.enabled = true, .restTime = 0.08});
+  };
+  Scene scene(true);
+  prepare(scene);
+  for (const double x : {-0.1, 0.1}) scene.grains.push_back(scene.addBall({x, kRadius + 1e-5 * (x > 0), 0}));
+  for (int i = 0; i < 11; ++i) scene.system.step(0.005);
+  Scene again(true);
+  prepare(again);
+  for (const double x : {-0.1, 0.1}) again.grains.push_back(again.addBall({x, kRadius, 0}));
+  for (const GrainId id : again.grains) {
+    again.system.setGrainMotion(id, scene.system.grainMotions()[id.index]);
+  }
+  again.system.setContactMemory(scene.system.contactMemory());
+  again.system.setSleepState(scene.system.sleepState());
+  ASSERT_EQ(scene.system.measure().awakeGrains, 2);
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_EQ(scene.system.step(0.005).awakeGrains, again.system.step(0.005).awakeGrains) << i;
+    for (const GrainId id : scene.grains) {
+      EXPECT_EQ(scene.system.grainMotions()[id.index].pose.position,
+                again.system.grainMotions()[id.index].pose.position);
+    }
+  }
+  EXPECT_EQ(scene.system.measure().awakeGrains, 0);
+}
+
 TEST(Sleep, SavedStateIsRefusedIfItIsNotFinite) {
   Scene scene(true);
   scene.addBall({0, kRadius, 0});
@@ -274,6 +305,9 @@ TEST(Sleep, SavedStateIsRefusedIfItIsNotFinite) {
   SleepState state = scene.system.sleepState();
   ASSERT_EQ(state.frozen.size(), 1u);
   state.frozen[0].force.x() = NAN;
+  EXPECT_THROW(scene.system.setSleepState(state), std::invalid_argument);
+  state = scene.system.sleepState();
+  state.resters.push_back({.seconds = -1.0});
   EXPECT_THROW(scene.system.setSleepState(state), std::invalid_argument);
 }
 
@@ -371,6 +405,22 @@ TEST(Sleep, BallThatLandsWakesOnlyWhatFeelsIt) {
   for (int i = 0; i < 15; ++i) mostAwake = std::max(mostAwake, scene.run(kFrame).awakeGrains);
   EXPECT_EQ(mostAwake, 1 + 5);
   for (std::size_t i = 5; i < scene.grains.size(); ++i) EXPECT_FALSE(scene.system.isAwake(scene.grains[i]));
+}
+
+TEST(Sleep, BallThatFliesOverSleepersWakesThoseThatItHits) {
+  // It starts where a layout made about it holds none of those in its way, and hits the top of the last heap.
+  constexpr double kTime = 0.1, kFar = 0.8;  // s, m
+  Scene scene(true);
+  for (int heap = 0; heap < 6; ++heap) scene.addHeap({8.0 * heap * kRadius, 0, 0});
+  scene.addHeap({kFar, 0, 0});
+  scene.run(1.0);
+  ASSERT_EQ(scene.system.measure().awakeGrains, 0);
+  const double top = (1.0 + std::sqrt(2.0)) * kRadius;
+  const GrainId ball = scene.addBall({0, top + 0.5 * kGravity * kTime * kTime, 0}, {kFar / kTime, 0, 0});
+  for (int i = 0; i < 12; ++i) scene.system.step(0.01);
+  EXPECT_LT(scene.system.grainMotions()[ball.index].velocity.x(), 0.9 * kFar / kTime);
+  EXPECT_TRUE(scene.system.isAwake(scene.grains.back()));
+  for (std::size_t i = 0; i < 30; ++i) EXPECT_FALSE(scene.system.isAwake(scene.grains[i]));
 }
 
 TEST(Sleep, BallLandingOnSleepersRestsWhereItRestsOnAwakeOnes) {

@@ -15,26 +15,32 @@ using granular::RememberedContact;
 using granular::RigidMotion;
 
 constexpr const char* kFormat = "granular-state";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 constexpr std::size_t kMotionSize = 13;
 
 void add3(Json& numbers, const granular::Vector3& v) {
   for (int i = 0; i < 3; ++i) numbers.push_back(v[i]);
 }
 
-void addMotion(Json& numbers, const RigidMotion& m) {
-  const granular::Quaternion& q = m.pose.orientation;
-  add3(numbers, m.pose.position);
+void addPose(Json& numbers, const granular::Pose& pose) {
+  const granular::Quaternion& q = pose.orientation;
+  add3(numbers, pose.position);
   for (const double x : {q.w(), q.x(), q.y(), q.z()}) numbers.push_back(x);
+}
+
+granular::Pose poseOf(const double* x) {
+  return {{x[0], x[1], x[2]}, {x[3], x[4], x[5], x[6]}};
+}
+
+void addMotion(Json& numbers, const RigidMotion& m) {
+  addPose(numbers, m.pose);
   add3(numbers, m.velocity);
   add3(numbers, m.angularVelocity);
 }
 
 RigidMotion motionAt(const std::vector<double>& n, std::size_t i) {
   const double* x = n.data() + kMotionSize * i;
-  return {.pose = {{x[0], x[1], x[2]}, {x[3], x[4], x[5], x[6]}},
-          .velocity = {x[7], x[8], x[9]},
-          .angularVelocity = {x[10], x[11], x[12]}};
+  return {.pose = poseOf(x), .velocity = {x[7], x[8], x[9]}, .angularVelocity = {x[10], x[11], x[12]}};
 }
 
 /// FNV-1a of the bytes of everything but the checksum.
@@ -162,17 +168,25 @@ void readMemory(JsonObject object, SavedState& state) {
   object.finish();
 }
 
-// Numbers a sleeper: kind, index, force and torque held. A frozen contact: those of a remembered one, whether
-// it does remember, force, point, overlap, overlap in radii, energy.
-constexpr std::size_t kSleeperSize = 8, kFrozenSize = kMemorySize + 10;
+// Numbers a sleeper: kind, index, force and torque held, force carried. One that rests: kind, index, seconds,
+// where. A frozen contact: those of a remembered one, whether it does remember, force, point, overlap,
+// overlap in radii, energy.
+constexpr std::size_t kSleeperSize = 9, kResterSize = 10, kFrozenSize = kMemorySize + 10;
 
 Json sleepOf(const SavedState& state) {
-  Json sleepers = Json::array(), frozen = Json::array();
+  Json sleepers = Json::array(), resters = Json::array(), frozen = Json::array();
   for (const granular::SleepState::Sleeper& sleeper : state.sleep.sleepers) {
     sleepers.push_back(static_cast<int>(sleeper.kind));
     sleepers.push_back(sleeper.index);
     add3(sleepers, sleeper.held.force);
     add3(sleepers, sleeper.held.torque);
+    sleepers.push_back(sleeper.carried);
+  }
+  for (const granular::SleepState::Rester& rester : state.sleep.resters) {
+    resters.push_back(static_cast<int>(rester.kind));
+    resters.push_back(rester.index);
+    resters.push_back(rester.seconds);
+    addPose(resters, rester.pose);
   }
   for (const granular::FrozenContact& contact : state.sleep.frozen) {
     addContact(frozen, contact.memory);
@@ -182,19 +196,36 @@ Json sleepOf(const SavedState& state) {
     for (const double x : {contact.overlap, contact.relativeOverlap, contact.normalEnergy})
       frozen.push_back(x);
   }
-  return {{"sleepers", sleepers}, {"frozen", frozen}};
+  return {{"sleepers", sleepers},
+          {"resters", resters},
+          {"frozen", frozen},
+          {"untilLook", state.sleep.untilLook},
+          {"untilWaking", state.sleep.untilWaking}};
 }
 
 void readSleep(JsonObject object, SavedState& state) {
   const std::vector<double> sleepers = numbersAt(object, "sleepers", -1);
-  if (sleepers.size() % kSleeperSize != 0) object.at("sleepers").fail("eight numbers a sleeper");
+  if (sleepers.size() % kSleeperSize != 0) object.at("sleepers").fail("nine numbers a sleeper");
   for (std::size_t i = 0; i < sleepers.size(); i += kSleeperSize) {
     const double* n = sleepers.data() + i;
     granular::SleepState::Sleeper& sleeper = state.sleep.sleepers.emplace_back();
     if (!readOwner(n, state, sleeper.kind, sleeper.index))
       object.at("sleepers").fail("owners that are in the file");
     sleeper.held = {.force = {n[2], n[3], n[4]}, .torque = {n[5], n[6], n[7]}};
+    sleeper.carried = n[8];
   }
+  const std::vector<double> resters = numbersAt(object, "resters", -1);
+  if (resters.size() % kResterSize != 0) object.at("resters").fail("ten numbers one that rests");
+  for (std::size_t i = 0; i < resters.size(); i += kResterSize) {
+    const double* n = resters.data() + i;
+    granular::SleepState::Rester& rester = state.sleep.resters.emplace_back();
+    if (!readOwner(n, state, rester.kind, rester.index))
+      object.at("resters").fail("owners that are in the file");
+    rester.seconds = n[2];
+    rester.pose = poseOf(n + 3);
+  }
+  state.sleep.untilLook = object.number("untilLook", Range::notNegative());
+  state.sleep.untilWaking = object.number("untilWaking", Range::notNegative());
   const std::vector<double> frozen = numbersAt(object, "frozen", -1);
   if (frozen.size() % kFrozenSize != 0) object.at("frozen").fail("21 numbers a frozen contact");
   for (std::size_t i = 0; i < frozen.size(); i += kFrozenSize) {

@@ -53,6 +53,7 @@ SavedState BuiltScene::savedState() const {
   for (granular::RememberedContact& contact : state.memory) placeBoth(contact);
   state.sleep = grains().sleepState();
   for (granular::SleepState::Sleeper& sleeper : state.sleep.sleepers) place(sleeper.kind, sleeper.index);
+  for (granular::SleepState::Rester& rester : state.sleep.resters) place(rester.kind, rester.index);
   for (granular::FrozenContact& contact : state.sleep.frozen) placeBoth(contact.memory);
   return state;
 }
@@ -138,13 +139,18 @@ void BuiltScene::restoreMemory(const SavedState& state) {
 
 void BuiltScene::restoreSleep(const SavedState& state) {
   granular::SleepState sleep;
+  sleep.untilLook = state.sleep.untilLook;
+  sleep.untilWaking = state.sleep.untilWaking;
+  for (granular::SleepState::Rester rester : state.sleep.resters) {
+    if (findOwner(state, rester.kind, rester.index)) sleep.resters.push_back(rester);
+  }
   for (granular::SleepState::Sleeper sleeper : state.sleep.sleepers) {
     if (findOwner(state, sleeper.kind, sleeper.index)) sleep.sleepers.push_back(sleeper);
   }
   for (granular::FrozenContact contact : state.sleep.frozen) {
     if (findOwners(state, contact.memory)) sleep.frozen.push_back(contact);
   }
-  if (!sleep.sleepers.empty()) grains().setSleepState(sleep);
+  if (!sleep.sleepers.empty() || !sleep.resters.empty()) grains().setSleepState(sleep);
 }
 
 }  // namespace granular_demo

@@ -156,15 +156,26 @@ struct FrozenContact {
   double normalEnergy = 0.0;        ///< in its normal spring, J
 };
 
-/// Who sleeps, and what presses on them: for files, to go on from.
+/// Who sleeps, what presses on them, and who is about to fall asleep: for files, to go on from.
 struct SleepState {
   struct Sleeper {
     OwnerKind kind = OwnerKind::Grain;
     std::int32_t index = -1;  ///< GrainId::index or BodyId::index
     Wrench held;              ///< mean net force and torque, N and N m: as SleepDef::wakeImbalance
+    double carried = 0.0;     ///< mean of the sum of the sizes of its contact forces, N; 0: not known
+  };
+  /// One that is awake, and has rested since it was here.
+  struct Rester {
+    OwnerKind kind = OwnerKind::Grain;
+    std::int32_t index = -1;
+    double seconds = 0.0;
+    Pose pose;  ///< of the principal frame
   };
   std::vector<Sleeper> sleepers;
+  std::vector<Rester> resters;
   std::vector<FrozenContact> frozen;
+  double untilLook = 0.0;    ///< s until it is looked at next who may fall asleep
+  double untilWaking = 0.0;  ///< s until those wake who can wait for others
 };
 
 class GranularSystem {

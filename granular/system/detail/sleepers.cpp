@@ -29,10 +29,10 @@ Sleepers::Sleeper* Sleepers::find(OwnerKey owner) {
   return &all[owner.index];
 }
 
-void Sleepers::begin(OwnerKey owner, double now, const Wrench& mean) {
+void Sleepers::begin(OwnerKey owner, double now, const Wrench& mean, double carried) {
   std::vector<Sleeper>& all = sleepers_[static_cast<int>(owner.kind)];
   if (owner.index >= std::ssize(all)) all.resize(owner.index + 1);
-  all[owner.index] = {.held = {.mean = mean, .last = {}, .carried = 0.0, .time = now}, .isAsleep = true};
+  all[owner.index] = {.held = {.mean = mean, .last = {}, .carried = carried, .time = now}, .isAsleep = true};
   noteChange(owner);
 }
 

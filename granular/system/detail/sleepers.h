@@ -63,8 +63,8 @@ class Sleepers {
  public:
   explicit Sleepers(TraitsOfSleeper traitsOf) : traitsOf_(std::move(traitsOf)) {}
 
-  /// It is asleep from now, s, on, and has held this.
-  void begin(OwnerKey owner, double now, const Wrench& mean = {});
+  /// It is asleep from now, s, on, and has held and carried this.
+  void begin(OwnerKey owner, double now, const Wrench& mean = {}, double carried = 0.0);
   /// It is not asleep any more.
   void end(OwnerKey owner);
   /// Its frozen contacts are others than before. Nothing for who does not sleep.
@@ -84,6 +84,10 @@ class Sleepers {
   bool isUrgent() const { return isUrgent_; }
   /// Mean net force and torque on it at the last call of findUnbalanced. memory: as there.
   Wrench heldBy(OwnerKey owner, double memory) const;
+  /// Mean of what it carried when it was looked at last, N; 0: not known.
+  double carriedBy(OwnerKey owner) const {
+    return sleepers_[static_cast<int>(owner.kind)][owner.index].held.carried;
+  }
   /// On all sleepers at the last call, N.
   Vector3 netForce() const {
     return Vector3(frozenNet_[0].value(), frozenNet_[1].value(), frozenNet_[2].value()) + awakeNet_;

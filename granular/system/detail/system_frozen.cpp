@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What is kept of sleepers while they stand still: contacts among them, frozen with their forces and
-// memories, sums over these, and all of it for files.
+// memories. For files: system_sleep_state.cpp.
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -191,67 +191,6 @@ void GranularSystem::Impl::addFrozen(std::vector<ContactView>& contacts) const {
   std::sort(contacts.begin(), contacts.end(), [&](const ContactView& a, const ContactView& b) {
     return std::pair(place(a, 0), place(a, 1)) < std::pair(place(b, 0), place(b, 1));
   });
-}
-
-/// As GranularSystem::setSleepState. All stands where it stood when the state was read, also what the host
-/// has just put there.
-void GranularSystem::Impl::putToSleep(const SleepState& kept) {
-  wakeAll();
-  thawed.clear();
-  everythingChanged();
-  if (!sleep.enabled) return;
-  placedBodies.clear();
-  restOfGrain.resize(grains.size(), detail::Rest{clock, {}});
-  restOfBody.resize(bodies.size(), detail::Rest{clock, {}});
-  guardedFrom.assign(bodies.size(), std::nullopt);
-  std::vector<detail::SleeperGrid::Grain> nowAsleep;
-  for (const SleepState::Sleeper& sleeper : kept.sleepers) {
-    if (!exists(sleeper.kind, sleeper.index) || !isAwake(sleeper.kind, sleeper.index)) continue;
-    const detail::OwnerKey owner{sleeper.kind, sleeper.index};
-    const bool isGrain = sleeper.kind == OwnerKind::Grain;
-    (isGrain ? grains[sleeper.index].asleep : bodies[sleeper.index].asleep) = true;
-    sleepers.begin(owner, clock, sleeper.held);
-    const detail::SleeperTraits traits = traitsOf(owner);
-    if (isGrain) nowAsleep.push_back({sleeper.index, traits.center, traits.reach});
-  }
-  sleepingGrains.insert(nowAsleep);
-  for (const FrozenContact& contact : kept.frozen) {
-    const RememberedContact& c = contact.memory;
-    if (!exists(c)) continue;
-    if (!isAwake(c.kind[0], c.index[0]) && !isAwake(c.kind[1], c.index[1])) {
-      frozen.add(contact);
-    } else if (contact.remembers) {
-      thawed.push_back(c);
-    }
-  }
-}
-
-SleepState GranularSystem::sleepState() const {
-  const Impl& s = *impl_;
-  SleepState kept{.sleepers = {}, .frozen = s.frozen.all()};
-  const auto add = [&](OwnerKind kind, std::int32_t index) {
-    kept.sleepers.push_back({kind, index, s.sleepers.heldBy({kind, index}, s.sleep.restTime)});
-  };
-  for (std::int32_t g = 0; g < static_cast<std::int32_t>(s.grains.size()); ++g) {
-    if (s.grains[g].alive && s.grains[g].asleep) add(OwnerKind::Grain, g);
-  }
-  for (std::int32_t b = 0; b < static_cast<std::int32_t>(s.bodies.size()); ++b) {
-    if (s.bodies[b].alive && s.bodies[b].asleep) add(OwnerKind::Body, b);
-  }
-  return kept;
-}
-
-void GranularSystem::setSleepState(const SleepState& kept) {
-  for (const SleepState::Sleeper& sleeper : kept.sleepers) {
-    requireFinite(sleeper.held.force, "SleepState.sleepers.held.force", "N");
-    requireFinite(sleeper.held.torque, "SleepState.sleepers.held.torque", "N m");
-  }
-  for (const FrozenContact& contact : kept.frozen) {
-    requireFinite(contact.force, "SleepState.frozen.force", "N");
-    requireFinite(contact.point, "SleepState.frozen.point", "m");
-    requireFinite(contact.memory.displacement, "SleepState.frozen.memory.displacement", "m");
-  }
-  impl_->putToSleep(kept);
 }
 
 }  // namespace granular

@@ -20,6 +20,9 @@ namespace state = detail::state;
 
 constexpr double kLooksPerRest = 8.0;
 
+// Times are sums of sub-steps: far above what is rounded off, far below what matters. In restTime.
+constexpr double kRounding = 1e-9;
+
 // Where a front creeps through a bed, a few more wake in every sub-step, and each time is a new layout. So
 // they wait for one another this many times shorter than restTime, unless somebody's need is urgent. A ball
 // on a bed of 10,446 made 307 layouts in 0.5 s without.
@@ -83,7 +86,7 @@ bool GranularSystem::Impl::sleepOrWake(double now) {
   clock = now;
   bool changed = wakeUnbalanced(now, passed);
   changed |= wakeNearMoving();
-  if (now >= nextInspection) {
+  if (now >= nextInspection - kRounding * sleep.restTime) {
     nextInspection = now + sleep.restTime / kLooksPerRest;
     changed |= fallAsleep();
   }
@@ -138,7 +141,7 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
         carried[o] > 0.0 && !detail::isUnbalanced(owner.reach, force, torque, carried[o], sleep.balance) &&
         detail::wayBetween(pose, rest.pose, owner.reach) <= sleep.restWay * layout.smallestRadius;
     if (!rests) rest = {clock, pose};
-    quiet[o] = rests && clock - rest.since >= sleep.restTime;
+    quiet[o] = rests && clock - rest.since >= (1.0 - kRounding) * sleep.restTime;
   }
   return quiet;
 }
