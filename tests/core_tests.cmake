@@ -18,6 +18,7 @@ list(APPEND GRANULAR_CORE_TEST_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/spatial_hash_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_control_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_method_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/stress_bounds.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_cases.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_scenes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress_test.cpp

@@ -88,7 +88,9 @@ class Evaluation {
   /// that ended are forgotten, springs give way to the Coulomb limit. Grows or shrinks y and its rate.
   /// Nothing without laws 17, 19.
   void settleMemory(std::vector<double>& y, std::vector<double>& rate);
-  /// Energy in the springs of eqs. 17 and 19 at the last accepted state, J.
+  /// Whether there are springs of friction (eqs. 17 and 19).
+  bool hasSprings() const { return hasMemory_; }
+  /// Energy in them at the last accepted state, J.
   double memoryEnergy() const;
   /// Carries memory from one layout to the next; contacts of owners that are gone are forgotten.
   std::vector<RememberedContact> exportMemory(const std::vector<double>& y) const;
