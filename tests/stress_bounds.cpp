@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The scenes about the longest steps that closed forms allow.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -66,7 +67,7 @@ Outcome row(Stepper stepper, double boundsPerStep) {
   return scene.end(largest / kSpeed);
 }
 
-Outcome lattice(Stepper stepper, double boundsPerStep) {
+Outcome lattice(Stepper stepper, double frequencyTimesStep) {
   // All balls turn at w. At a contact of two both surfaces move by arm w, against one another: the spring is
   // stretched by 2 arm w and each feels 2 kt arm^2 w; four of six contacts are beside the axis: 8 kt arm^2/I.
   // Walls of twice the spring stand for balls that turn as well. Shaking, each against its neighbours, is
@@ -75,7 +76,7 @@ Outcome lattice(Stepper stepper, double boundsPerStep) {
   constexpr double kOverlap = 1e-3 * kRadius, kSpin = 1e-4, kStiffness = 1e4, kShear = 0.8 * kStiffness;
   constexpr double kArm = kRadius - 0.5 * kOverlap;
   const double inertia = 0.4 * ballMass() * kRadius * kRadius;
-  const double step = boundsPerStep * 2.0 / std::sqrt(8.0 * kShear * kArm * kArm / inertia);
+  const double step = frequencyTimesStep / std::sqrt(8.0 * kShear * kArm * kArm / inertia);
   Watched scene({.gravity = kNone, .integrator = {.stepper = stepper, .fixedSubStep = step}},
                 {.density = kDensity, .restitution = 1.0, .friction = 1e6});
   const MaterialId wall = scene.system.addMaterial({.density = kDensity, .friction = 1e6});
@@ -103,12 +104,27 @@ Outcome lattice(Stepper stepper, double boundsPerStep) {
                            .angularVelocity = {0, 0, kSpin}});
   }
   double largest = 0.0;
-  for (int i = 0; i < 300 && largest < 1e3 * kSpin; ++i) {
+  for (int i = 0; i < 3000 && largest < 1e3 * kSpin; ++i) {
     scene.step(step);
     for (const RigidMotion& motion : scene.system.grainMotions())
       largest = std::max(largest, motion.angularVelocity.norm());
   }
   return scene.end(largest / kSpin);
+}
+
+double largestFrequencyByLeapfrog() {
+  // Numbers: displacement D, velocity v and the rate r that D was left with, a prediction, at h = 1.
+  //   p = v - w^2 D,   D' = D + 0.4 r + 0.6 p,   v' = v - w^2 (D + D')/2,   r' = p     (kick_drift.h)
+  const auto growth = [](double w) {
+    const Eigen::RowVector3d D(1, 0, 0), v(0, 1, 0), r(0, 0, 1);
+    const Eigen::RowVector3d p = v - w * w * D, next = D + 0.4 * r + 0.6 * p;
+    Matrix3 step;
+    step << next, v - 0.5 * w * w * (D + next), p;
+    return step.eigenvalues().cwiseAbs().maxCoeff();
+  };
+  double low = 0.1, high = 1.0;
+  for (int i = 0; i < 50; ++i) (growth(0.5 * (low + high)) > 1.0 ? high : low) = 0.5 * (low + high);
+  return low;
 }
 
 namespace {

@@ -16,10 +16,11 @@ Outcome swing(Stepper stepper, double frequencyTimesStep);
 /// the balls of 2 sum over contacts [kn/m].
 Outcome row(Stepper stepper, double boundsPerStep);
 /// Largest spin, over that of the start, of 4 x 4 x 4 balls in a cubic lattice between walls, on undamped
-/// linear springs, of friction too (law 19), in 300 sub-steps of so many times what the packing bound allows
-/// by leapfrog: 2/w with w^2 the largest over the balls of 2 sum over contacts [kt R^2 (1 - (N a)^2)/I] about
-/// an axis a, which all turning alike attain.
-Outcome lattice(Stepper stepper, double boundsPerStep);
+/// linear springs, of friction too (law 19), in 3000 sub-steps of this length times w, w^2 the largest over
+/// the balls of 2 sum over contacts [kt R^2 (1 - (N a)^2)/I] about an axis a, which all turning alike attain.
+Outcome lattice(Stepper stepper, double frequencyTimesStep);
+/// w h up to which the amplification matrix of leapfrog on a spring of friction has no eigenvalue beyond 1.
+double largestFrequencyByLeapfrog();
 /// Largest speed with which a ball slides on a plane under law 18, over that of the start, in 300 sub-steps
 /// of this length times the rate kt (1/m + R^2/I).
 Outcome slide(Stepper stepper, double rateTimesStep);

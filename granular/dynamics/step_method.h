@@ -32,6 +32,10 @@ class StepMethod {
   /// Largest product of a rate of damping and the step that it bears.
   virtual double dampingLimit() const = 0;
 
+  /// Largest product of a frequency of springs of friction, whose displacements are memories, and the step
+  /// that it bears without damping.
+  virtual double springLimit() const { return 2.0; }
+
   /// Largest rate of damping to be expected in the next trial, 1/s: some bear more of it at a cost in error.
   virtual void expectDamping(double) {}
 

@@ -35,9 +35,9 @@ enum class StepFlag : std::uint32_t {
   GrainsQuarantined = 1u << 3,       ///< a grain's state was not finite: it was taken out of the scene
   BodiesStopped = 1u << 4,  ///< a body's state was not finite: it stands where the step found it, at rest
   BadStep = 1u << 5,        ///< dt was not finite or not > 0: nothing was done
-  /// A fixed sub-step was longer than a quarter of a contact time, 0.14 of it where there are springs of
-  /// friction (eqs. 17 and 19), near which packings begin to gain energy, or than the stepper bears of a
-  /// viscosity or dashpot given in ShearLawDef: lower IntegratorDef::fixedSubStep
+  /// A fixed sub-step was longer than a quarter of a contact time, 0.14 of it (leapfrog 0.047) where there
+  /// are springs of friction (eqs. 17 and 19), near which packings begin to gain energy, or than the stepper
+  /// bears of a viscosity or dashpot given in ShearLawDef: lower IntegratorDef::fixedSubStep
   FixedSubStepTooLong = 1u << 6,
   BudgetExhausted =
       1u << 7,  ///< StepReport::droppedTime was not simulated: raise WorkBudget, or ask for less

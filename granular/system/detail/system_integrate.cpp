@@ -32,7 +32,7 @@ constexpr double kEventApproach = 0.2;
 // all modes are below w^2 = 12 k/m (Gershgorin), and t_c = pi sqrt(m/2k): 0.26.
 constexpr double kLongestFixed = 0.25;
 // With springs of friction: of balls held by twelve others that all turn alike, w^2 = 2 sum over contacts
-// [kt R^2 (1 - (N a)^2)/I] = 40 kt/m, and kt <= k after Mindlin: 0.14; held by six 0.20 (tests/stress_bounds).
+// [kt R^2 (1 - (N a)^2)/I] = 40 kt/m, and kt <= k after Mindlin: 0.14 for steppers that bear 2/w.
 constexpr double kLongestFixedOnSprings = 0.14;
 
 // Rate of damping in a dense packing, over the contact time: RKF45 bears 3 at the longest
@@ -221,7 +221,8 @@ bool GranularSystem::Impl::judge(const Trial& trial, double scaledError) {
 bool GranularSystem::Impl::isTooLong(const Trial& trial) {
   if (!(integrator.fixedSubStep > 0.0)) return false;
   const detail::EvaluationSummary& seen = equations.seen();
-  const double longest = evaluation.hasSprings() ? kLongestFixedOnSprings : kLongestFixed;
+  const double longest =
+      evaluation.hasSprings() ? 0.5 * stepper->springLimit() * kLongestFixedOnSprings : kLongestFixed;
   return (seen.urgency > 0.0 && trial.length > longest * contactTimeOfUrgency(seen.urgency)) ||
          trial.length * shearRate(seen) > stepper->dampingLimit();
 }
