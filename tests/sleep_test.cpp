@@ -307,7 +307,7 @@ TEST(Sleep, SavedStateIsRefusedIfItIsNotFinite) {
   state.frozen[0].force.x() = NAN;
   EXPECT_THROW(scene.system.setSleepState(state), std::invalid_argument);
   state = scene.system.sleepState();
-  state.resters.push_back({.seconds = -1.0});
+  state.resters.emplace_back().seconds = -1.0;
   EXPECT_THROW(scene.system.setSleepState(state), std::invalid_argument);
 }
 
