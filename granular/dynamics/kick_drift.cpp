@@ -24,8 +24,9 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
       result_, lastRate_);
   equations.kick(y, table_.first * h, firstRate_, table_.second * h, lastRate_, result_);
   if (table_.errorOrder == 0) return;
-  error_.resize(equations.errorCount(y));
+  errors_.resize(equations.errorCount(y));
   estimateError(equations.executor(), h);
+  error_ = errors_;
 }
 
 /// Part of the acceleration before in the prediction: the least that bears the damping to be expected.
@@ -44,9 +45,9 @@ void KickDrift::estimateError(const Executor& executor, double h) {
   const double ratio = known ? h / lengthBefore_ : 0.0;
   const double* before = known ? rateBefore_.data() : firstRate_.data();
   executor.forRanges(
-      static_cast<std::int64_t>(error_.size()), kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+      static_cast<std::int64_t>(errors_.size()), kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t i = begin; i < end; ++i) {
-          error_[i] = scale * (lastRate_[i] - firstRate_[i] - ratio * (firstRate_[i] - before[i]));
+          errors_[i] = scale * (lastRate_[i] - firstRate_[i] - ratio * (firstRate_[i] - before[i]));
         }
       });
 }

@@ -81,6 +81,7 @@ class KickDrift final : public StepMethod {
   double weightOfBefore(double h) const;
 
   const KickDriftTable& table_;
+  std::vector<double> errors_;
   std::vector<double> lastRate_,
       rateBefore_;             // at the end of the trial; at the start of the one accepted before
   double lengthBefore_ = 0.0;  // of that one, s; 0: none

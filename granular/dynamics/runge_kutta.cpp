@@ -12,7 +12,7 @@ constexpr std::int64_t kNumbersAtOnce = 1024;    // that stay in the nearest cac
 }  // namespace
 
 void RungeKutta::combine(const Executor& executor, const double* start, double h, const double* weights,
-                         std::vector<double>& out) const {
+                         std::span<double> out) const {
   const auto size = static_cast<std::int64_t>(out.size());
   executor.forRanges(size, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
     double sums[kNumbersAtOnce];
@@ -33,22 +33,23 @@ void RungeKutta::combine(const Executor& executor, const double* start, double h
 
 void RungeKutta::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
   const Executor& executor = equations.executor();
-  stage_.resize(y.size());
   result_.resize(y.size());
-  error_.resize(equations.errorCount(y));
   for (int s = 1; s < table_.stages; ++s) {
     double weights[RungeKuttaTable::kMostStages] = {};
     std::copy_n(table_.a[s], s, weights);
-    combine(executor, y.data(), h, weights, stage_);
+    combine(executor, y.data(), h, weights, result_);
     laterRates_[s - 1].resize(y.size());
     const double since = table_.c[s] * h;
-    equations.evaluate({.time = t + since, .sinceTrial = since}, stage_, laterRates_[s - 1]);
+    equations.evaluate({.time = t + since, .sinceTrial = since}, result_, laterRates_[s - 1]);
   }
   combine(executor, y.data(), h, table_.b, result_);
   equations.finish(y, h, result_);
   double difference[RungeKuttaTable::kMostStages];
   for (int s = 0; s < RungeKuttaTable::kMostStages; ++s) difference[s] = table_.b[s] - table_.other[s];
-  combine(executor, nullptr, h, difference, error_);
+  // In place of the second rate, which nobody wants any more.
+  const std::span<double> error = std::span(laterRates_[0]).first(equations.errorCount(y));
+  combine(executor, nullptr, h, difference, error);
+  error_ = error;
 }
 
 bool RungeKutta::accept(double) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "granular/dynamics/step_method.h"
 
@@ -59,16 +60,16 @@ class RungeKutta final : public StepMethod {
   double dampingLimit() const override { return table_.dampingLimit; }
 
  private:
-  /// out = start + h sum_s weights[s] rate_s over the first out.size() numbers; start may be null.
+  /// out = start + h sum_s weights[s] rate_s over the first out.size() numbers; start may be null, out one of
+  /// the rates.
   void combine(const Executor& executor, const double* start, double h, const double* weights,
-               std::vector<double>& out) const;
+               std::span<double> out) const;
   const double* rate(int stage) const {
     return stage == 0 ? firstRate_.data() : laterRates_[stage - 1].data();
   }
 
   const RungeKuttaTable& table_;
   std::array<std::vector<double>, RungeKuttaTable::kMostStages - 1> laterRates_;
-  std::vector<double> stage_;
 };
 
 }  // namespace granular

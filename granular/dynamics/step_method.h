@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "granular/dynamics/equations.h"
@@ -45,8 +46,8 @@ class StepMethod {
   virtual std::vector<std::vector<double>*> kept() { return {&firstRate_}; }
 
   std::vector<double>& firstRate() { return firstRate_; }
-  std::vector<double>& result() { return result_; }            ///< state at t + h
-  const std::vector<double>& error() const { return error_; }  ///< of its leading numbers, same units
+  std::vector<double>& result() { return result_; }         ///< state at t + h
+  std::span<const double> error() const { return error_; }  ///< of its leading numbers, same units
 
  protected:
   virtual void forget() {}
@@ -55,7 +56,8 @@ class StepMethod {
     return y.size() - (needsPoseRates() ? 0 : equations.poseCount());
   }
 
-  std::vector<double> firstRate_, result_, error_;
+  std::vector<double> firstRate_, result_;
+  std::span<const double> error_;  // wherever the stepper has room for it
 };
 
 std::unique_ptr<StepMethod> makeStepMethod(Stepper stepper);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "granular/dynamics/runge_kutta.h"
 #include "granular/system/detail/system_impl.h"
@@ -122,7 +123,7 @@ bool GranularSystem::Impl::isResultFinite() {
 double GranularSystem::Impl::scaledError() {
   const detail::Layout& layout = evaluation.layout();
   if (stepper->errorOrder() == 0) return isResultFinite() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
-  const std::vector<double>& numbers = stepper->error();
+  const std::span<const double> numbers = stepper->error();
   wayOfOwner.resize(layout.dynamicCount());
   evaluation.executor().forRanges(
       layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
