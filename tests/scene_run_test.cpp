@@ -196,7 +196,8 @@ TEST_P(ImpactScene, ReboundsAsAskedAndSlidesAsCoulombSays) {
   const double tangent = std::tan(degrees * std::numbers::pi / 180.0);
   const double radius = scene.shapes.at(0).particles.at(0).radius;
   scene.grains.at(0).velocity.x() = -tangent * scene.grains.at(0).velocity.y();
-  const auto folder = scratchFolder("impact");
+  const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto folder = scratchFolder("impact" + name.substr(name.find('/') + 1));  // they run side by side
   runScene(scene, {.folder = folder, .threads = 1});
   const auto rows = readCsv(folder / "trajectory_grain_ball.csv");
   const auto last = [&](std::size_t column) { return std::stod(rows.back().at(column)); };
