@@ -131,6 +131,7 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
       object.number("eventFraction", {.low = 0.0, .high = 1.0, .openLow = true}, def.eventFraction);
   def.eventContacts = static_cast<int>(
       object.integer("eventContacts", 0, std::numeric_limits<int>::max(), def.eventContacts));
+  def.precision = static_cast<granular::ContactPrecision>(object.choice("precision", {"double", "mixed"}, 0));
   def.smallestSubStep = object.number("smallestSubStep", Range::positive(), def.smallestSubStep);
   def.trialLimit =
       static_cast<int>(object.integer("trialLimit", 1, std::numeric_limits<int>::max(), def.trialLimit));

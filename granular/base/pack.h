@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Several numbers at a time (SIMD). What is written once as a template over Real runs for a double and for a
-// Pack of as many as the processor's registers hold; each lane gives the bits that another width gives, as
-// adding, multiplying, dividing and roots are exact to the last bit in both.
+// Several numbers at a time (SIMD). What is written once as a template over Real runs for a double, for a
+// Pack of as many as two of the processor's registers hold, and for a FloatPack of twice as many; each lane
+// gives the bits that another width gives, as adding, multiplying, dividing and roots are exact to the last
+// bit in both.
 #pragma once
 
 #include <bit>
@@ -23,92 +24,106 @@ namespace granular {
 // Files that are compiled for several processors must not share names whose meaning depends on which.
 inline namespace GRANULAR_ISA {
 
-using Register = std::experimental::native_simd<double>;
-inline constexpr int kRegisterSize = static_cast<int>(Register::size()), kPackSize = 2 * kRegisterSize;
+/// The whole number as wide as a floating-point one.
+template <class Scalar>
+using IntegerOf = std::conditional_t<sizeof(Scalar) == sizeof(std::int64_t), std::int64_t, std::int32_t>;
 
 /// What compares two packs: a bool for each lane. Halves are the compiler's own vectors, all bits or none, as
 /// it would not keep structures of structures in registers.
-struct PackMask {
-  using Half = std::int64_t __attribute__((vector_size(sizeof(Register))));
+template <class Scalar>
+struct PackMaskOf {
+  using Register = std::experimental::native_simd<Scalar>;
+  using Half [[gnu::vector_size(sizeof(Register))]] = IntegerOf<Scalar>;
+  static constexpr int kRegisterSize = static_cast<int>(Register::size());
   Half low, high;
 
-  PackMask() = default;
-  PackMask(const PackMask& other)
+  PackMaskOf() = default;
+  PackMaskOf(const PackMaskOf& other)
       : low(other.low), high(other.high) {}  // a copy of bytes would go through memory
-  PackMask& operator=(const PackMask& other) {
+  PackMaskOf& operator=(const PackMaskOf& other) {
     low = other.low, high = other.high;
     return *this;
   }
-  PackMask(const Half& a, const Half& b) : low(a), high(b) {}
-  PackMask(bool all) : low(Half{} - all), high(low) {}
+  PackMaskOf(const Half& a, const Half& b) : low(a), high(b) {}
+  PackMaskOf(bool all) : low(Half{} - IntegerOf<Scalar>{all}), high(low) {}
   bool operator[](int lane) const {
     return (lane < kRegisterSize ? low[lane] : high[lane - kRegisterSize]) != 0;
   }
   void set(int lane, bool value) {
     Half& half = lane < kRegisterSize ? low : high;
-    half[lane % kRegisterSize] = -std::int64_t{value};
+    half[lane % kRegisterSize] = -IntegerOf<Scalar>{value};
   }
-  friend PackMask operator&&(const PackMask& a, const PackMask& b) {
+  friend PackMaskOf operator&&(const PackMaskOf& a, const PackMaskOf& b) {
     return {a.low & b.low, a.high & b.high};
   }
-  friend PackMask operator||(const PackMask& a, const PackMask& b) {
+  friend PackMaskOf operator||(const PackMaskOf& a, const PackMaskOf& b) {
     return {a.low | b.low, a.high | b.high};
   }
 };
 
 /// Two registers side by side: what waits on a long chain of roots and quotients in one is filled with the
 /// other's.
-struct Pack {
-  using Half = double __attribute__((vector_size(sizeof(Register))));
-  using Bits = std::uint64_t __attribute__((vector_size(sizeof(Register))));
+template <class Scalar>
+struct PackOf {
+  using Register = std::experimental::native_simd<Scalar>;
+  using Half [[gnu::vector_size(sizeof(Register))]] = Scalar;
+  using Bits [[gnu::vector_size(sizeof(Register))]] = IntegerOf<Scalar>;
+  using Mask = PackMaskOf<Scalar>;
+  static constexpr int kRegisterSize = static_cast<int>(Register::size()), kSize = 2 * kRegisterSize;
   Half low, high;
 
-  Pack() = default;
-  Pack(const Pack& other) : low(other.low), high(other.high) {}  // a copy of bytes would go through memory
-  Pack& operator=(const Pack& other) {
+  PackOf() = default;
+  PackOf(const PackOf& other)
+      : low(other.low), high(other.high) {}  // a copy of bytes would go through memory
+  PackOf& operator=(const PackOf& other) {
     low = other.low, high = other.high;
     return *this;
   }
-  Pack(const Half& a, const Half& b) : low(a), high(b) {}
-  Pack(double all) : low(all - Half{}), high(low) {}
-  /// of(lane) in every lane, lane = 0 ... kPackSize - 1.
+  PackOf(const Half& a, const Half& b) : low(a), high(b) {}
+  PackOf(double all) : low(static_cast<Scalar>(all) - Half{}), high(low) {}
+  /// of(lane) in every lane, lane = 0 ... kSize - 1.
   template <class Function>
   requires std::is_invocable_r_v<double, Function, int>
-  explicit Pack(Function&& of) {
-    for (int lane = 0; lane < kRegisterSize; ++lane) low[lane] = of(lane);
-    for (int lane = 0; lane < kRegisterSize; ++lane) high[lane] = of(kRegisterSize + lane);
+  explicit PackOf(Function&& of) {
+    for (int lane = 0; lane < kRegisterSize; ++lane) low[lane] = static_cast<Scalar>(of(lane));
+    for (int lane = 0; lane < kRegisterSize; ++lane) {
+      high[lane] = static_cast<Scalar>(of(kRegisterSize + lane));
+    }
   }
   double operator[](int lane) const { return lane < kRegisterSize ? low[lane] : high[lane - kRegisterSize]; }
 
-  friend Pack operator+(const Pack& a, const Pack& b) { return {a.low + b.low, a.high + b.high}; }
-  friend Pack operator-(const Pack& a, const Pack& b) { return {a.low - b.low, a.high - b.high}; }
-  friend Pack operator*(const Pack& a, const Pack& b) { return {a.low * b.low, a.high * b.high}; }
-  friend Pack operator/(const Pack& a, const Pack& b) { return {a.low / b.low, a.high / b.high}; }
-  friend Pack operator-(const Pack& a) { return {-a.low, -a.high}; }
-  friend PackMask operator<(const Pack& a, const Pack& b) { return {a.low < b.low, a.high < b.high}; }
-  friend PackMask operator>(const Pack& a, const Pack& b) { return {a.low > b.low, a.high > b.high}; }
-  friend PackMask operator>=(const Pack& a, const Pack& b) { return {a.low >= b.low, a.high >= b.high}; }
-  friend PackMask operator!=(const Pack& a, const Pack& b) { return {a.low != b.low, a.high != b.high}; }
-  friend Pack select(const PackMask& condition, const Pack& a, const Pack& b) {
+  friend PackOf operator+(const PackOf& a, const PackOf& b) { return {a.low + b.low, a.high + b.high}; }
+  friend PackOf operator-(const PackOf& a, const PackOf& b) { return {a.low - b.low, a.high - b.high}; }
+  friend PackOf operator*(const PackOf& a, const PackOf& b) { return {a.low * b.low, a.high * b.high}; }
+  friend PackOf operator/(const PackOf& a, const PackOf& b) { return {a.low / b.low, a.high / b.high}; }
+  friend PackOf operator-(const PackOf& a) { return {-a.low, -a.high}; }
+  friend Mask operator<(const PackOf& a, const PackOf& b) { return {a.low < b.low, a.high < b.high}; }
+  friend Mask operator>(const PackOf& a, const PackOf& b) { return {a.low > b.low, a.high > b.high}; }
+  friend Mask operator>=(const PackOf& a, const PackOf& b) { return {a.low >= b.low, a.high >= b.high}; }
+  friend Mask operator!=(const PackOf& a, const PackOf& b) { return {a.low != b.low, a.high != b.high}; }
+  friend PackOf select(const Mask& condition, const PackOf& a, const PackOf& b) {
     return {condition.low ? a.low : b.low, condition.high ? a.high : b.high};
   }
-  friend Pack sqrt(const Pack& a) {
+  friend PackOf sqrt(const PackOf& a) {
     const auto root = [](const Half& half) { return static_cast<Half>(sqrt(Register(half))); };
     return {root(a.low), root(a.high)};
   }
-  friend Pack min(const Pack& a, const Pack& b) {
+  friend PackOf min(const PackOf& a, const PackOf& b) {
     const auto least = [](const Half& x, const Half& y) {
       return static_cast<Half>(min(Register(x), Register(y)));
     };
     return {least(a.low, b.low), least(a.high, b.high)};
   }
-  friend Pack max(const Pack& a, const Pack& b) {
+  friend PackOf max(const PackOf& a, const PackOf& b) {
     const auto most = [](const Half& x, const Half& y) {
       return static_cast<Half>(max(Register(x), Register(y)));
     };
     return {most(a.low, b.low), most(a.high, b.high)};
   }
 };
+
+using Pack = PackOf<double>;
+using FloatPack = PackOf<float>;  ///< twice as many lanes
 
 }  // namespace GRANULAR_ISA
 
@@ -167,26 +182,38 @@ Real inverseFifthRootGuess(const Real& x) {
   constexpr double kOffset = 0x3ff00000 * 1.2 - 0x10000;
   // A whole number below 2^52 stands in the lowest bits of itself + 2^52.
   constexpr double kShift = 0x1p52;
-  constexpr auto kShiftBits = std::bit_cast<std::uint64_t>(kShift);
+  constexpr auto kShiftBits = std::bit_cast<std::int64_t>(kShift);
   const Bits high = __builtin_bit_cast(Bits, x) >> 32 | kShiftBits;
   const Real logarithm = __builtin_bit_cast(Real, high) - kShift;
   return __builtin_bit_cast(Real, __builtin_bit_cast(Bits, (kShift + kOffset) - 0.2 * logarithm) << 32);
 }
 
+/// The same for a register of floats, by all of their bits.
+template <class Bits, class Half>
+Half inverseFifthRootGuessOfFloats(const Half& x) {
+  constexpr float kOffset = 0x3f800000 * 1.2f - 0x80000;
+  const Half logarithm = __builtin_convertvector(__builtin_bit_cast(Bits, x), Half);
+  return __builtin_bit_cast(Half, __builtin_convertvector(kOffset - 0.2f * logarithm, Bits));
+}
+
 }  // namespace detail
 
 /// x^(-1/5), x > 0 and no denormal: Newton's iteration, which costs neither divisions nor a library's pow,
-/// whose bits differ between libraries. To 4e-16 or so.
+/// whose bits differ between libraries. To 4e-16 or so, of floats to 3e-7.
 template <class Real>
 Real inverseFifthRoot(const Real& x) {
   Real y;
+  int iterations = 4;
   if constexpr (std::is_same_v<Real, double>) {
-    y = detail::inverseFifthRootGuess<std::uint64_t>(x);
+    y = detail::inverseFifthRootGuess<std::int64_t>(x);
+  } else if constexpr (std::is_same_v<Real, Pack>) {
+    y = {detail::inverseFifthRootGuess<Pack::Bits>(x.low), detail::inverseFifthRootGuess<Pack::Bits>(x.high)};
   } else {
-    y = {detail::inverseFifthRootGuess<typename Real::Bits>(x.low),
-         detail::inverseFifthRootGuess<typename Real::Bits>(x.high)};
+    y = {detail::inverseFifthRootGuessOfFloats<FloatPack::Bits>(x.low),
+         detail::inverseFifthRootGuessOfFloats<FloatPack::Bits>(x.high)};
+    iterations = 3;
   }
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < iterations; ++i) {
     const Real y2 = y * y;
     y = y * (1.2 - 0.2 * x * (y2 * y2 * y));
   }

@@ -38,7 +38,7 @@ struct ElasticFoundation {
   }
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
-    return c.fixedUrgency;
+    return urgencyOfRate(c.impactRate);
   }
 
   /// s = a v for a restitution, by bisection on s in (0, 1/e).
@@ -64,7 +64,6 @@ struct ElasticFoundation {
             .kd = request.def.damping.value_or(request.damping / request.speed),
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr * request.bodyArea / request.contact.mass,
-            .fixedUrgency = urgencyOfContactTime(std::numbers::pi / frequency),
             .impactRate = frequency / std::numbers::pi};
   }
 };

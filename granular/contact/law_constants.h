@@ -19,7 +19,6 @@ struct NormalConstantsOf {
   Real kd = 0.0;                ///< damping, N s/m^(1 + alpha); s/m for laws by area
   Real smallestForce = 0.0;     ///< 0: no attraction; -infinity: the damper may pull
   Real stiffnessPerMass = 0.0;  ///< kr / m_eff, for the contact time of Hertz laws
-  Real fixedUrgency = 0.0;      ///< for laws whose contact time does not depend on speed
   Real impactRate = 0.0;  ///< one over the contact time of an elastic impact at the speed of the request, 1/s
 };
 using NormalConstants = NormalConstantsOf<double>;
@@ -64,9 +63,10 @@ Real hertzContactTime(const Real& kr, const Real& mass, double v) {
 inline double contactTimeOfUrgency(double urgency) {
   return kHertzTime * std::pow(urgency, -0.1);
 }
+/// rate: one over the contact time, 1/s.
 template <class Real>
-Real urgencyOfContactTime(const Real& time) {
-  const Real x = kHertzTime / time, x2 = x * x, x5 = x2 * x2 * x;
+Real urgencyOfRate(const Real& rate) {
+  const Real x = kHertzTime * rate, x2 = x * x, x5 = x2 * x2 * x;
   return x5 * x5;
 }
 

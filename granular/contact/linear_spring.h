@@ -37,7 +37,7 @@ struct LinearSpring {
   }
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
-    return c.fixedUrgency;
+    return urgencyOfRate(c.impactRate);
   }
 
   /// Dimensionless contact time w0 t until the force has fallen to zero (attraction: until the overlap has).
@@ -90,7 +90,6 @@ struct LinearSpring {
             .kd = kd,
             .smallestForce = request.smallestForce(),
             .stiffnessPerMass = kr / m,
-            .fixedUrgency = urgencyOfContactTime(contactTime),
             .impactRate = 1.0 / contactTime};
   }
 };

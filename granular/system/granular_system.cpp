@@ -280,7 +280,9 @@ const Vector3& GranularSystem::gravity() const {
 void GranularSystem::setIntegrator(const IntegratorDef& def) {
   checkIntegrator(def);
   const bool changesStepper = def.stepper != impl_->integrator.stepper;
+  if (def.precision != impl_->integrator.precision) impl_->startIsCurrent = false;
   impl_->integrator = def;
+  impl_->evaluation.usePrecision(def.precision);
   if (changesStepper) impl_->setStepper();
 }
 const IntegratorDef& GranularSystem::integrator() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// granular_bench kernel: what one evaluation of all forces costs, stage by stage, on packed scenes. Before a
-// time is printed, contacts and normal forces are compared with those of a plain search written anew.
+// granular_bench kernel: what one evaluation of all forces costs, stage by stage, on packed scenes, with laws
+// in double and in single precision. Before a time is printed, contacts and overlaps are compared with those
+// of a plain search written anew, and forces in single precision with those in double.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -26,7 +27,8 @@ using granular::Vector3;
 
 constexpr int kStages = static_cast<int>(Stage::Measure);  // those before it are part of every sub-step
 constexpr double kFrame = 5e-4;                            // s
-constexpr double kAgreement = 1e-9;                        // of the largest force
+constexpr double kAgreement = 1e-9;                        // of the largest overlap
+constexpr double kMixedAgreement = 1e-4;                   // of the root mean square force
 
 struct KernelOptions {
   std::int64_t particles = 50'000;
@@ -99,10 +101,33 @@ void checkContacts(granular::GranularSystem& system) {
   if (!expected.empty()) throw std::runtime_error("the pipeline misses contacts that a plain search finds");
 }
 
-void timeScene(const PackedSceneDef& def, const KernelOptions& options) {
-  PackedScene scene = makePackedScene(def);
-  granular::GranularSystem& system = scene.system;
-  checkContacts(system);
+/// Prints how far forces in single precision are from those in double at the same state. Throws
+/// std::runtime_error if that is farther than kMixedAgreement.
+void checkMixed(granular::GranularSystem& system) {
+  granular::IntegratorDef integrator = system.integrator();
+  std::vector<granular::ContactView> exact, mixed;
+  system.readContacts(exact);
+  integrator.precision = granular::ContactPrecision::Mixed;
+  system.setIntegrator(integrator);
+  system.readContacts(mixed);
+  double sum = 0.0, difference = 0.0, largest = 0.0;
+  if (mixed.size() != exact.size()) throw std::runtime_error("other contacts in single precision");
+  for (std::size_t n = 0; n < exact.size(); ++n) {
+    const double apart = (mixed[n].force - exact[n].force).squaredNorm();
+    sum += exact[n].force.squaredNorm();
+    difference += apart;
+    largest = std::max(largest, apart);
+  }
+  const double unit = std::sqrt(sum / static_cast<double>(exact.size()));
+  largest = std::sqrt(largest) / unit;
+  std::printf(
+      "  laws in single precision: forces off by %.2g (root mean square), %.2g at most, of their own root "
+      "mean square\n",
+      std::sqrt(difference / sum), largest);
+  if (!(largest < kMixedAgreement)) throw std::runtime_error("forces in single precision are not the same");
+}
+
+void timeScene(const PackedSceneDef& def, const KernelOptions& options, granular::GranularSystem& system) {
   const double particles = static_cast<double>(system.particleCount());
   std::array<std::vector<double>, kStages> nanoseconds;  // a particle and evaluation, by repeat
   std::vector<double> total, processor;
@@ -128,9 +153,10 @@ void timeScene(const PackedSceneDef& def, const KernelOptions& options) {
     allEvaluations += evaluations;
   }
   const double contacts = static_cast<double>(report.contacts);
-  std::printf("%s, %d thread%s: %.0f particles, %.2f contacts each, %.0f evaluations a candidate list\n",
-              def.name().c_str(), def.threads, def.threads == 1 ? "" : "s", particles,
-              2.0 * contacts / particles,
+  const bool isMixed = system.integrator().precision == granular::ContactPrecision::Mixed;
+  std::printf("%s, %s, %d thread%s: %.0f particles, %.2f contacts each, %.0f evaluations a candidate list\n",
+              def.name().c_str(), isMixed ? "mixed" : "double", def.threads, def.threads == 1 ? "" : "s",
+              particles, 2.0 * contacts / particles,
               static_cast<double>(allEvaluations) / static_cast<double>(std::max<std::int64_t>(1, rebuilds)));
   const auto line = [&](const char* what, const std::vector<double>& values) {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -141,6 +167,14 @@ void timeScene(const PackedSceneDef& def, const KernelOptions& options) {
   line("all", total);
   line("all, processor time", processor);
   std::printf("  %.2f million particle evaluations a second\n", 1e3 / median(total));
+}
+
+void timeScene(const PackedSceneDef& def, const KernelOptions& options) {
+  PackedScene scene = makePackedScene(def);
+  checkContacts(scene.system);
+  timeScene(def, options, scene.system);
+  checkMixed(scene.system);
+  timeScene(def, options, scene.system);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -46,19 +47,28 @@ struct ContactArrays {
   double* displacementRates = nullptr;     ///< to be filled
   SettledMemory* contactMemory = nullptr;  ///< [contact], to be filled
   Moment at;
-  PatchWrench* rowWrenches = nullptr;  ///< [slot], to be filled by RowSumKernel: what its contacts do to it
   // Patches.
   const std::int32_t* placeOfPatch = nullptr;
   const std::int32_t* slotOfPatch = nullptr;     ///< one entry more than patches
   const std::int32_t* incidenceStart = nullptr;  ///< as CandidateIncidence
   const std::int32_t* incidenceEntries = nullptr;
-  PatchWrench* wrenches = nullptr;  ///< to be filled
 };
 
 /// Contacts between particles of rows [row, end), numbered from n on, which is moved behind them. Comes back
 /// behind the first row that has candidates on surfaces, which are left out, or at the end: returns that row.
 using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row, std::int32_t end,
                                    std::int32_t& n);
+
+/// Room for four numbers of a contact, in single or double precision: what the laws want to know of it,
+/// brought together from its particles and their owners.
+struct alignas(32) MeetingRow {
+  static constexpr int kMost = 6;  ///< a contact
+  std::byte numbers[32];
+};
+
+/// Fills `to`, MeetingRow::kMost a contact at most, for the contacts of rows [begin, end).
+using GatherKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
+                              MeetingRow* to);
 
 /// Some contacts under one rule.
 struct ContactRun {
@@ -67,17 +77,20 @@ struct ContactRun {
   /// Round particles on exact surfaces: where they meet is in `forces` already, as surfaceMeeting() leaves
   /// it. Else both are round particles.
   bool onSurfaces;
+  /// Behind its end the last is said again until there are a multiple of kContactsPerPack.
   std::span<const std::int32_t> which;
+  const MeetingRow* meetings;  ///< from GatherKernel
+  std::int32_t firstMeeting;   ///< of this contact is the first
 };
+/// The most that a kernel works on at a time; a power of two.
+inline constexpr std::int32_t kContactsPerPack = 16;
 
 /// The forces of a run.
 using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
 
-/// Contacts of rows [begin, end) on the owners of those rows.
-using RowSumKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
-
-/// What touches patches [begin, end): the sums of its own rows, then contacts in the rows of others.
-using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end);
+/// What touches patches [begin, end), to `to`: contacts in their own rows, then in the rows of others.
+using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
+                              PatchWrench* to);
 
 /// What a drift reads and writes: poses and momenta of a state by place, and the rates of these momenta.
 struct DriftArrays {
@@ -92,14 +105,18 @@ struct DriftArrays {
 using DriftKernel = std::int32_t (*)(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
                                      std::int32_t* left);
 
+struct ForceKernels {
+  GatherKernel gather;
+  /// By normal and shear law; null for laws by area.
+  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount> forces;
+};
+
 struct ContactKernels {
   const char* processor;  ///< what it is for
   DriftKernel drift;
   RowKernel findContacts;
-  RowSumKernel sumRows;
   WrenchKernel sumWrenches;
-  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount>
-      forces;  ///< null for laws by area
+  const ForceKernels *forces, *mixedForces;  ///< ContactPrecision::Double, Mixed
 };
 
 /// The best for the processor at hand; environment variable GRANULAR_PROCESSOR ("baseline", "avx2") asks for

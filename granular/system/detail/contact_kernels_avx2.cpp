@@ -6,8 +6,11 @@
 
 namespace granular::detail {
 
+static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
+
+extern const ForceKernels kAvx2MixedForces;
 extern const ContactKernels kAvx2Kernels;
-const ContactKernels kAvx2Kernels = {"avx2",  driftOwners, findContacts,
-                                     sumRows, sumWrenches, allKernels(NormalLaws{})};
+const ContactKernels kAvx2Kernels = {"avx2",      driftOwners, findContacts,
+                                     sumWrenches, &kForces,    &kAvx2MixedForces};
 
 }  // namespace granular::detail

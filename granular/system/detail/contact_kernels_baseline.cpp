@@ -6,8 +6,11 @@
 
 namespace granular::detail {
 
+static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
+
+extern const ForceKernels kBaselineMixedForces;
 extern const ContactKernels kBaselineKernels;
-const ContactKernels kBaselineKernels = {"baseline", driftOwners, findContacts,
-                                         sumRows,    sumWrenches, allKernels(NormalLaws{})};
+const ContactKernels kBaselineKernels = {"baseline",  driftOwners, findContacts,
+                                         sumWrenches, &kForces,    &kBaselineMixedForces};
 
 }  // namespace granular::detail

@@ -35,14 +35,16 @@ struct PackHalfTurn {
   const auto step = [](const Vector3Of<Pack>& v, double t, const FourPacks<Pack>& rate) -> Vector3Of<Pack> {
     return {v.first + t * rate.first, v.second + t * rate.second, v.third + t * rate.third};
   };
-  for (std::int32_t place = begin; place < end; place += kPackSize) {
+  for (std::int32_t place = begin; place < end; place += Pack::kSize) {
     // Lanes to spare do the last owner again.
     const auto at = [&](int lane) { return std::min(place + lane, end - 1); };
     const auto posesOf = [&](int from) {
-      return packsOf([&](int lane) { return rowAt(arrays.poses, at(lane), state::kPoseSize) + from; });
+      return packsOf<Pack>(
+          [&](int lane) { return loadFour(rowAt(arrays.poses, at(lane), state::kPoseSize) + from); });
     };
     const auto momentaOf = [&](const double* numbers, int from) {
-      return packsOf([&](int lane) { return rowAt(numbers, at(lane), state::kMomentaSize) + from; });
+      return packsOf<Pack>(
+          [&](int lane) { return loadFour(rowAt(numbers, at(lane), state::kMomentaSize) + from); });
     };
     // Rows of four, of which a velocity takes the first three and an angular momentum the last three.
     const FourPacks<Pack> position = posesOf(0), q = posesOf(3);
@@ -66,24 +68,24 @@ struct PackHalfTurn {
     const Vector3Of<Pack> vNext = step(v, arrays.drift.kick, pull),
                           LNext = step(L, arrays.drift.kick, torque);
     const auto poseTo = [&](int from) {
-      return [&arrays, &at, rowAt, from](int lane) {
-        return rowAt(arrays.posesTo, at(lane), state::kPoseSize) + from;
+      return [&arrays, &at, rowAt, from](int lane, const Four& row) {
+        storeFour(row, rowAt(arrays.posesTo, at(lane), state::kPoseSize) + from);
       };
     };
     const auto momentaTo = [&](int from) {
-      return [&arrays, &at, rowAt, from](int lane) {
-        return rowAt(arrays.momentaTo, at(lane), state::kMomentaSize) + from;
+      return [&arrays, &at, rowAt, from](int lane, const Four& row) {
+        storeFour(row, rowAt(arrays.momentaTo, at(lane), state::kMomentaSize) + from);
       };
     };
     const Pack wNext = w / norm;
-    storeRows({position.first + way.x(), position.second + way.y(), position.third + way.z(), wNext},
-              poseTo(0));
-    storeRows({wNext, turned.x() / norm, turned.y() / norm, turned.z() / norm}, poseTo(3));
-    storeRows({vNext.x(), vNext.y(), vNext.z(), LNext.x()}, momentaTo(0));
-    storeRows({vNext.z(), LNext.x(), LNext.y(), LNext.z()}, momentaTo(2));
+    forRows<Pack>({position.first + way.x(), position.second + way.y(), position.third + way.z(), wNext},
+                  poseTo(0));
+    forRows<Pack>({wNext, turned.x() / norm, turned.y() / norm, turned.z() / norm}, poseTo(3));
+    forRows<Pack>({vNext.x(), vNext.y(), vNext.z(), LNext.x()}, momentaTo(0));
+    forRows<Pack>({vNext.z(), LNext.x(), LNext.y(), LNext.z()}, momentaTo(2));
 
-    const PackMask isDone = square < Pack(PackHalfTurn::kLargestSquare) && inverseInertia > 0.0;
-    for (int lane = 0; lane < std::min(kPackSize, end - place); ++lane) {
+    const Pack::Mask isDone = square < Pack(PackHalfTurn::kLargestSquare) && inverseInertia > 0.0;
+    for (int lane = 0; lane < std::min(Pack::kSize, end - place); ++lane) {
       left[leftCount] = place + lane;
       leftCount += !isDone[lane];
     }

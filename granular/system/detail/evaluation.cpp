@@ -27,8 +27,6 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
     surfaceInverseRadius_.push_back(ball ? 1.0 / ball->radius : 0.0);
   }
   memory_.clear();
-  patchWrenches_.assign(layout_.movesOnlySpheres ? 0 : layout_.patchCount, PatchWrench{});
-  rowWrenches_.assign(layout_.dynamicParticles, PatchWrench{});
   list_.reset();
   listIsCurrent_ = false;
   rebuildsSinceSort_ = 0;
@@ -110,12 +108,10 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .displacementRates = rate.data() + (stateSize() - lackingOf(rate, y)),
           .contactMemory = contactMemory_.data(),
           .at = at,
-          .rowWrenches = rowWrenches_.data(),
           .placeOfPatch = layout_.placeOfPatch.data(),
           .slotOfPatch = layout_.slotOfPatch.data(),
           .incidenceStart = incidence_.starts().data(),
-          .incidenceEntries = incidence_.entries().data(),
-          .wrenches = wrenchesOfPatches().data()};
+          .incidenceEntries = incidence_.entries().data()};
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
@@ -230,18 +226,19 @@ void Evaluation::tally(std::int32_t body, const PatchWrench& contact, double* to
   }
 }
 
-/// Of the owners in places [begin, end): gravity, loads and contacts, whose sums are there.
-void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
-                                      bool poseRates, std::vector<double>& rate) {
-  const std::vector<PatchWrench>& wrenches = wrenchesOfPatches();
+/// Of the owners in places [begin, end): gravity, loads and what contacts do to their patches, one after the
+/// other.
+void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, const PatchWrench* wrench,
+                                      const std::vector<double>& y, bool poseRates,
+                                      std::vector<double>& rate) {
   const std::size_t lacking = lackingOf(rate, y);
   for (std::int32_t place = begin; place < end; ++place) {
     const std::int32_t o = layout_.ownerOfPlace[place];
     PatchWrench contact;
-    for (std::int32_t patch = layout_.patchOfPlace[place]; patch < layout_.patchOfPlace[place + 1]; ++patch) {
-      contact.force += wrenches[patch].force;
-      contact.torque += wrenches[patch].torque;
-      contact.dissipation += wrenches[patch].dissipation;
+    for (std::int32_t k = layout_.patchOfPlace[place]; k < layout_.patchOfPlace[place + 1]; ++k, ++wrench) {
+      contact.force += wrench->force;
+      contact.torque += wrench->torque;
+      contact.dissipation += wrench->dissipation;
     }
     heatOfOwner_[o] = contact.dissipation;
     if (const std::int32_t body = o - layout_.dynamicGrains; body >= 0) {
@@ -257,9 +254,12 @@ void Evaluation::moveOwners(const ContactArrays& arrays, const std::vector<doubl
   const std::int32_t moving = layout_.movingCount();
   forTimedPieces(Executor::pieceCount(moving, kOwnersPerPiece), [&](std::int32_t piece, PieceClock& clock) {
     const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
-    kernels_->sumWrenches(arrays, layout_.patchOfPlace[begin], layout_.patchOfPlace[end]);
+    const std::int32_t patches = layout_.patchOfPlace[begin], patchesEnd = layout_.patchOfPlace[end];
+    thread_local std::vector<PatchWrench> wrenches;
+    if (std::ssize(wrenches) < patchesEnd - patches) wrenches.resize(patchesEnd - patches);
+    kernels_->sumWrenches(arrays, patches, patchesEnd, wrenches.data());
     clock.done(Stage::SumWrenches);
-    computeAccelerations(begin, end, y, arrays.at.poseRates, rate);
+    computeAccelerations(begin, end, wrenches.data(), y, arrays.at.poseRates, rate);
     clock.done(Stage::ComputeAccelerations);
   });
   double heat = 0.0;

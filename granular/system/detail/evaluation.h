@@ -14,6 +14,7 @@
 #include "granular/contact/contact_kernel.h"
 #include "granular/contact/pair_law.h"
 #include "granular/dynamics/equations.h"
+#include "granular/dynamics/integrator.h"
 #include "granular/search/candidate_list.h"
 #include "granular/system/detail/contact_kernels.h"
 #include "granular/system/detail/contact_rows.h"
@@ -50,7 +51,13 @@ struct alignas(32) ListedRow {
 
 class Evaluation {
  public:
-  Evaluation(int threads, HostExecutor* host) : executor_(threads, host), kernels_(&contactKernels()) {}
+  Evaluation(int threads, HostExecutor* host)
+      : executor_(threads, host), kernels_(&contactKernels()), forceKernels_(kernels_->forces) {}
+
+  /// What forces are worked out in from the next evaluation on.
+  void usePrecision(ContactPrecision precision) {
+    forceKernels_ = precision == ContactPrecision::Mixed ? kernels_->mixedForces : kernels_->forces;
+  }
 
   /// Takes a new layout. Everything kept is thrown away.
   void reset(const std::vector<MaterialPair>& materialPairs, const std::vector<MaterialDef>& materials);
@@ -143,11 +150,12 @@ class Evaluation {
   void updateCandidates();
   void workOutContacts(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
   void findContacts(std::int32_t piece, const ContactArrays& arrays);
+  const MeetingRow* gatherMeetings(std::int32_t piece, const ContactArrays& arrays);
   void computeContactForces(std::int32_t piece, const ContactArrays& arrays);
   void sumUpExtremes();
   void moveOwners(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
-  void computeAccelerations(std::int32_t begin, std::int32_t end, const std::vector<double>& y,
-                            bool poseRates, std::vector<double>& rate);
+  void computeAccelerations(std::int32_t begin, std::int32_t end, const PatchWrench* wrench,
+                            const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
   /// Runs body(piece, clock) for every piece; what the clocks say is shared out to the stages.
   template <class Body>
   void forTimedPieces(std::int32_t pieces, Body&& body);
@@ -170,10 +178,6 @@ class Evaluation {
   const ParticleRow& ballAt(std::int32_t place) const {
     const std::int32_t first = layout_.firstBall();
     return place < first ? particles_[layout_.slotOfPlace[place]] : balls_[place - first];
-  }
-  /// Where only spheres move, a row is a patch, whose sum takes the place of the row's own.
-  std::vector<PatchWrench>& wrenchesOfPatches() {
-    return layout_.movesOnlySpheres ? rowWrenches_ : patchWrenches_;
   }
   /// How fast any point of the owner in this place may be, at most, m/s.
   double fastestPoint(std::int32_t place) const {
@@ -220,6 +224,7 @@ class Evaluation {
   Surroundings surroundings_;
   Executor executor_;
   const ContactKernels* kernels_;
+  const ForceKernels* forceKernels_;
   std::vector<MaterialPair> materialPairs_;
   std::vector<MaterialDef> materials_;
 
@@ -251,8 +256,6 @@ class Evaluation {
   std::vector<std::int32_t> contactsInPiece_;
   std::vector<Extremes> extremesInPiece_;
   std::vector<StageSeconds> secondsInPiece_;
-  std::vector<PatchWrench> rowWrenches_;    // by dynamic slot
-  std::vector<PatchWrench> patchWrenches_;  // as wrenchesOfPatches()
 
   std::vector<MemoryEntry> memory_;           // as contacts lie; entry m is at stateSize() + 3 m of y
   std::vector<MemoryEntry> memoryBefore_;     // of the sub-step before

@@ -228,7 +228,7 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   if (run.which.empty()) return;
   const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
   const ShearLaw shear = run.pair->def.shear.law;
-  if (const auto kernel = kernels_->forces[static_cast<int>(normal)][static_cast<int>(shear)]) {
+  if (const auto kernel = forceKernels_->forces[static_cast<int>(normal)][static_cast<int>(shear)]) {
     return kernel(arrays, run, extremes);
   }
   withNormalLaw(normal, [&]<class Normal>(Normal) {
@@ -238,6 +238,18 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
       });
     }
   });
+}
+
+/// What the laws want to know of the contacts of a piece of rows, side by side; the thread's own until its
+/// next piece.
+const MeetingRow* Evaluation::gatherMeetings(std::int32_t piece, const ContactArrays& arrays) {
+  thread_local std::vector<MeetingRow> meetings;
+  const std::size_t most = MeetingRow::kMost * static_cast<std::size_t>(contactsInPiece_[piece]);
+  if (meetings.size() < most) meetings.resize(most);
+  const std::int32_t begin = piece * kRowsPerPiece;
+  forceKernels_->gather(arrays, begin, std::min(layout_.dynamicParticles, begin + kRowsPerPiece),
+                        meetings.data());
+  return meetings.data();
 }
 
 /// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
@@ -250,37 +262,59 @@ void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& a
     std::int32_t count = 0;
     std::array<std::int32_t, kContactsPerRun> which;
   };
+  static_assert(kContactsPerRun % kContactsPerPack == 0);
+  const MeetingRow* meetings = gatherMeetings(piece, arrays);
+  const ContactRange range = contactsOfPiece(piece);
   Extremes& extremes = extremesInPiece_[piece];
   extremes = {};
   std::array<Run, kOpenRuns> runs;
   const auto finish = [&](Run& run) {
+    for (std::int32_t k = run.count; k % kContactsPerPack != 0; ++k) run.which[k] = run.which[run.count - 1];
     forcesOfRun({.pair = run.rule.pair,
                  .ofBodies = run.rule.ofBodies,
                  .onSurfaces = run.onSurfaces,
-                 .which = std::span(run.which).first(run.count)},
+                 .which = std::span(run.which).first(run.count),
+                 .meetings = meetings,
+                 .firstMeeting = range.first},
                 arrays, extremes);
     run.count = 0;
   };
-  const ContactRange range = contactsOfPiece(piece);
-  std::size_t open = 0, current = 0;
-  for (std::int32_t n = range.first; n < range.last; ++n) {
-    const bool onSurfaces = contacts_[n].slot2 >= layout_.particleCount;
-    const PairRule rule = ruleOf(contacts_[n]);
+  std::size_t open = 0, current = 0, oldest = 0;
+  const auto runFor = [&](const PairRule& rule, bool onSurfaces) -> Run& {
     const auto fits = [&](const Run& run) { return run.onSurfaces == onSurfaces && run.rule == rule; };
-    if (open == 0 || !fits(runs[current])) {
-      current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
-      if (current == open) {
-        if (open == kOpenRuns) {
-          current = n % kOpenRuns;
-          finish(runs[current]);
-        } else {
-          ++open;
-        }
-        runs[current].rule = rule;
-        runs[current].onSurfaces = onSurfaces;
-      }
+    if (open > 0 && fits(runs[current])) return runs[current];
+    current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
+    if (current < open) return runs[current];
+    if (open < kOpenRuns) {
+      ++open;
+    } else {
+      current = oldest++ % kOpenRuns;
+      finish(runs[current]);
     }
-    Run& run = runs[current];
+    runs[current].rule = rule;
+    runs[current].onSurfaces = onSurfaces;
+    return runs[current];
+  };
+  if (isUniform_ && range.first < range.last) {
+    const PairRule rule = ruleOf(contacts_[range.first]);
+    Run &round = runFor(rule, false), &onSurfaces = runFor(rule, true);
+    for (std::int32_t n = range.first; n < range.last;) {
+      const std::int32_t begin = n, end = std::min(range.last, n + kContactsPerRun);
+      std::int32_t count = 0;
+      for (; n < end; ++n) {  // written to both, counted for one
+        const bool isRound = contacts_[n].slot2 < layout_.particleCount;
+        round.which[count] = onSurfaces.which[n - begin - count] = n;
+        count += isRound;
+      }
+      round.count = count;
+      onSurfaces.count = end - begin - count;
+      finish(round);
+      finish(onSurfaces);
+    }
+    return;
+  }
+  for (std::int32_t n = range.first; n < range.last; ++n) {
+    Run& run = runFor(ruleOf(contacts_[n]), contacts_[n].slot2 >= layout_.particleCount);
     run.which[run.count++] = n;
     if (run.count == kContactsPerRun) finish(run);
   }
@@ -311,8 +345,6 @@ void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<
     clock.done(Stage::FindContacts);
     computeContactForces(piece, arrays);  // the laws                                       eqs. 2-19
     clock.done(Stage::ComputeContactForces);
-    kernels_->sumRows(arrays, piece * kRowsPerPiece, std::min(rows, (piece + 1) * kRowsPerPiece));
-    clock.done(Stage::SumWrenches);
   });
   sumUpExtremes();
 }

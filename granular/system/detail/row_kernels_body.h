@@ -60,10 +60,20 @@ Four centerOf(const ContactArrays& arrays, std::int32_t slot, std::int32_t place
   return loadFour(arrays.movesOnlySpheres ? &arrays.particles[slot].x : &arrays.balls[place].x);
 }
 
-/// What a row or patch bears. Fours: force and heat; torque.
+/// What a patch bears. Fours: force and heat; torque.
 struct WrenchSum {
   Four center, force = {}, torque = {};
 
+  void add(const ContactForce& contact) {
+    const Four f = loadFour(contact.force.data());
+    force += f;
+    torque += torqueOf(contact, f);
+  }
+  void subtract(const ContactForce& contact) {
+    const Four f = loadFour(contact.force.data());
+    force -= f;
+    torque -= torqueOf(contact, f);
+  }
   Four torqueOf(const ContactForce& contact, const Four& f) const {
     return crossOf(loadFour(contact.point.data()) - center, f);
   }
@@ -72,19 +82,6 @@ struct WrenchSum {
     storeFour(torque, to.torque.data());
   }
 };
-
-[[gnu::flatten]] void sumRows(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
-  for (std::int32_t row = begin; row < end; ++row) {
-    WrenchSum sum{.center = centerOf(arrays, row, arrays.placeOfSlot[row])};
-    const ContactRange own = arrays.contactsOfRow[row];
-    for (std::int32_t n = own.first; n < own.last; ++n) {
-      const Four f = loadFour(arrays.forces[n].force.data());
-      sum.force += f;
-      sum.torque += sum.torqueOf(arrays.forces[n], f);
-    }
-    sum.store(arrays.rowWrenches[row]);
-  }
-}
 
 /// Contacts among the candidates of some entries, side by side, so that reading all of their forces can begin
 /// before the first is added.
@@ -110,7 +107,8 @@ struct TouchingEntries {
   }
 };
 
-[[gnu::flatten]] void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end) {
+[[gnu::flatten]] void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
+                                  PatchWrench* to) {
   TouchingEntries touching;
   for (std::int32_t patch = begin; patch < end;) {
     const std::int32_t first = arrays.incidenceStart[patch];
@@ -118,32 +116,29 @@ struct TouchingEntries {
         patch + 1;  // of the patches whose entries are collected at once; the first may have more
     while (last < end && arrays.incidenceStart[last + 1] - first <= TouchingEntries::kMost) ++last;
     touching.collect(arrays, first, std::min(arrays.incidenceStart[last], first + TouchingEntries::kMost));
+    const auto endOfRows = [&](std::int32_t p) {
+      return std::min(arrays.slotOfPatch[p], arrays.dynamicParticles);
+    };
     for (; patch < last; ++patch) {
       WrenchSum sum{.center = centerOf(arrays, arrays.slotOfPatch[patch], arrays.placeOfPatch[patch])};
-      const std::int32_t lastSlot = std::min(arrays.slotOfPatch[patch + 1], arrays.dynamicParticles);
-      for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < lastSlot; ++slot) {
-        sum.force += loadFour(arrays.rowWrenches[slot].force.data());
-        sum.torque += loadFour(arrays.rowWrenches[slot].torque.data());
+      for (std::int32_t slot = arrays.slotOfPatch[patch]; slot < endOfRows(patch + 1); ++slot) {
+        const ContactRange own = arrays.contactsOfRow[slot];
+        for (std::int32_t n = own.first; n < own.last; ++n) sum.add(arrays.forces[n]);
       }
       const double dissipation = sum.force[3];
       const auto subtract = [&](std::int32_t k, std::int32_t lastTouching) {
-        for (; k < lastTouching; ++k) {
-          const ContactForce& contact = arrays.forces[touching.contacts[k]];
-          const Four f = loadFour(contact.force.data());
-          sum.force -= f;
-          sum.torque -= sum.torqueOf(contact, f);
-        }
+        for (; k < lastTouching; ++k) sum.subtract(arrays.forces[touching.contacts[k]]);
       };
-      const std::int32_t from = arrays.incidenceStart[patch], to = arrays.incidenceStart[patch + 1];
-      std::int32_t done = std::min(to, first + TouchingEntries::kMost);
+      const std::int32_t from = arrays.incidenceStart[patch], until = arrays.incidenceStart[patch + 1];
+      std::int32_t done = std::min(until, first + TouchingEntries::kMost);
       subtract(touching.before[from - first], touching.before[done - first]);
-      for (; done < to; done += TouchingEntries::kMost) {  // of a patch with too many
-        const std::int32_t count = std::min(to - done, TouchingEntries::kMost);
+      for (; done < until; done += TouchingEntries::kMost) {  // of a patch with too many
+        const std::int32_t count = std::min(until - done, TouchingEntries::kMost);
         touching.collect(arrays, done, done + count);
         subtract(0, touching.before[count]);
       }
       sum.force[3] = dissipation;
-      sum.store(arrays.wrenches[patch]);
+      sum.store(to[patch - begin]);
     }
   }
 }

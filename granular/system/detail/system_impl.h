@@ -68,6 +68,7 @@ class GranularSystem::Impl {
         integrator(def.integrator),
         evaluation(def.threads, def.executor),
         sleep(def.sleep) {
+    evaluation.usePrecision(def.integrator.precision);
     setStepper();
   }
 
