@@ -19,7 +19,8 @@ struct Moment {
   /// Runge-Kutta: 0. Splitting methods move the memory of contacts (Bell 2005, eq. 19) with the velocities
   /// that the evaluation sees, as they move poses.
   double memoryStep = 0.0;
-  /// Whether the rates of poses are asked for; else the rate has no room for them.
+  /// Whether the rates of poses and memories are asked for; else the rate has no room for those of poses, and
+  /// those of memories stay zero.
   bool poseRates = true;
 };
 

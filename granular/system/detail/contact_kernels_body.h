@@ -65,7 +65,7 @@ void storeMemory(const ContactArrays& arrays, const std::int32_t* contact, const
     of(lane).heating = heating[lane];
     of(lane).slides = touches[lane] && memory.slides[lane];
     of(lane).touches = touches[lane];
-    if (entry[lane] < 0 || !touches[lane]) continue;
+    if (!arrays.at.poseRates || entry[lane] < 0 || !touches[lane]) continue;
     double* rate = arrays.displacementRates + 3 * std::int64_t{entry[lane]};
     rate[0] = memory.rate.x()[lane], rate[1] = memory.rate.y()[lane], rate[2] = memory.rate.z()[lane];
   }

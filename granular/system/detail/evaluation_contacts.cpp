@@ -214,7 +214,9 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& 
                          .heating = memory.heating,
                          .slides = memory.slides,
                          .touches = true};
-    if (entry >= 0) Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
+    if (entry >= 0 && arrays.at.poseRates) {
+      Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
+    }
   }
   forces_[n] = {result.force, result.dissipation, g.point, g.xi};
   ++extremes.contacts;
@@ -335,7 +337,8 @@ void Evaluation::sumUpExtremes() {
 /// By pieces of rows, so that what one stage leaves is near when the next one wants it.
 void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<double>& y,
                                  std::vector<double>& rate) {
-  if (hasMemory_) std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
+  if (hasMemory_ && arrays.at.poseRates)
+    std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   const std::int32_t rows = layout_.dynamicParticles;
   const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
   contactsInPiece_.resize(pieces);

@@ -157,6 +157,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
   const auto forgetUntil = [&](std::int32_t end) {
     for (; c < end; ++c) memoryOfCandidate_[c] = -1;
   };
+  const bool hasRates = lackingOf(rate, y) == 0;
   std::int32_t m = entriesInPiece_[piece];
   for (std::int32_t n = range.first; n < range.last; ++n) {
     if (!isRemembered(n)) continue;
@@ -171,7 +172,7 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
     memory_[m] = {rank, layout_.rankOfSlot[contact.slot2], memory.stiffness,
                   granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides};
     Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
-    Eigen::Map<Vector3>(rate.data() + (stateSize() - lackingOf(rate, y)) + 3 * m) = memory.nextRate;
+    if (hasRates) Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
     ++m;
   }
   forgetUntil(list_.rowStart()[endRow]);
