@@ -26,8 +26,11 @@ LammpsPeer::~LammpsPeer() {
   std::filesystem::remove_all(folder_, ignored);
 }
 
-PackedScene LammpsPeer::build(const PackedGrains& grains, const granular::MaterialPairDef& pair) const {
-  return makePackedScene(grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_}, 1);
+PackedScene LammpsPeer::build(const PackedGrains& grains, const granular::MaterialPairDef& pair,
+                              granular::ContactPrecision precision) const {
+  return makePackedScene(
+      grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_, .precision = precision},
+      1);
 }
 
 granular::StepReport LammpsPeer::advance(granular::GranularSystem& system, std::int64_t steps) const {
@@ -51,8 +54,9 @@ void LammpsPeer::write(const granular::GranularSystem& system, std::int64_t step
 }
 
 LammpsPeer::Apart LammpsPeer::apart(const PackedGrains& grains, const granular::MaterialPairDef& pair,
-                                    std::int64_t steps, granular::LammpsStyle style) const {
-  PackedScene scene = build(grains, pair);
+                                    std::int64_t steps, granular::LammpsStyle style,
+                                    granular::ContactPrecision precision) const {
+  PackedScene scene = build(grains, pair, precision);
   write(scene.system, steps, true, style);
   granular_test::runLammps(program_, folder_);
   const granular_test::DumpedState state = granular_test::readDump(folder_).back();
@@ -84,10 +88,10 @@ LammpsPeer::Cost LammpsPeer::theirs(const PackedGrains& grains, const granular::
 }
 
 LammpsPeer::Cost LammpsPeer::ours(const PackedGrains& grains, const granular::MaterialPairDef& pair,
-                                  std::int64_t steps) const {
+                                  std::int64_t steps, granular::ContactPrecision precision) const {
   malloc_trim(0);  // what was freed before must not be counted as ours for nothing
   const std::int64_t before = residentBytes();
-  PackedScene scene = build(grains, pair);
+  PackedScene scene = build(grains, pair, precision);
   scene.system.measure();  // layout, first list and first forces, which LAMMPS's time leaves out too
   const auto start = std::chrono::steady_clock::now();
   const std::int64_t listBuilds = advance(scene.system, steps).listRebuilds;

@@ -28,9 +28,9 @@ class LammpsPeer {
   struct Apart {
     double worst = 0.0, rootMeanSquare = 0.0;  ///< distance of a particle here from itself there, m
   };
-  /// After `steps` steps. Throws std::runtime_error if either code did not make them.
+  /// After `steps` steps. Throws std::runtime_error if either code did not make them. precision: of ours.
   Apart apart(const PackedGrains& grains, const granular::MaterialPairDef& pair, std::int64_t steps,
-              granular::LammpsStyle style) const;
+              granular::LammpsStyle style, granular::ContactPrecision precision) const;
 
   struct Cost {
     double seconds = 0.0;           ///< wall time of the steps, without set-up
@@ -39,10 +39,12 @@ class LammpsPeer {
   };
   Cost theirs(const PackedGrains& grains, const granular::MaterialPairDef& pair, std::int64_t steps,
               granular::LammpsStyle style) const;
-  Cost ours(const PackedGrains& grains, const granular::MaterialPairDef& pair, std::int64_t steps) const;
+  Cost ours(const PackedGrains& grains, const granular::MaterialPairDef& pair, std::int64_t steps,
+            granular::ContactPrecision precision) const;
 
  private:
-  PackedScene build(const PackedGrains& grains, const granular::MaterialPairDef& pair) const;
+  PackedScene build(const PackedGrains& grains, const granular::MaterialPairDef& pair,
+                    granular::ContactPrecision precision = granular::ContactPrecision::Double) const;
   granular::StepReport advance(granular::GranularSystem& system, std::int64_t steps) const;
   void write(const granular::GranularSystem& system, std::int64_t steps, bool dump,
              granular::LammpsStyle style) const;

@@ -14,6 +14,7 @@
 namespace granular_bench {
 namespace {
 
+using granular::ContactPrecision;
 using granular::LammpsStyle;
 using granular::MaterialPairDef;
 using granular::NormalLaw;
@@ -73,11 +74,11 @@ void printLine(const std::string& what, const Spread& s, const char* unit) {
 
 /// How far both codes are apart after 1, 10, 100 steps; after ten in radii.
 double compare(const LammpsPeer& peer, const PackedGrains& grains, const char* what,
-               const MaterialPairDef& pair) {
+               const MaterialPairDef& pair, ContactPrecision precision = ContactPrecision::Double) {
   double afterTen = 0.0;
   std::printf("    %-46s", what);
   for (const std::int64_t steps : {1, 10, 100}) {
-    const LammpsPeer::Apart apart = peer.apart(grains, pair, steps, LammpsStyle::Granular);
+    const LammpsPeer::Apart apart = peer.apart(grains, pair, steps, LammpsStyle::Granular, precision);
     std::printf(" %9.2g", apart.worst / kPackedRadius);
     if (steps == 10) afterTen = apart.worst / kPackedRadius;
   }
@@ -91,6 +92,7 @@ void checkAnswers(const LammpsPeer& peer, const PackedGrains& grains) {
   const double same = spheres ? kSameSpheres : kSameClumps;
   std::printf("  apart after 1, 10, 100 steps, farthest particle, in radii:\n");
   const double apart = compare(peer, grains, "no friction", frictionless());
+  compare(peer, grains, "no friction, ours in mixed precision", frictionless(), ContactPrecision::Mixed);
   compare(peer, grains, "law 18, constant dampers: the arm", constantDampers());
   compare(peer, grains, "law 18, viscosity matched at one overlap",
           pairOf(NormalLaw::HertzTsuji, ShearLaw::RegularisedCoulomb));
@@ -125,7 +127,8 @@ struct Timed {
 
 void timeLaw(const LammpsPeer& peer, const PackedGrains& grains, const Timed& timed,
              const PeersOptions& options) {
-  const LammpsPeer::Apart apart = peer.apart(grains, timed.pair, options.steps, timed.style);
+  const LammpsPeer::Apart apart =
+      peer.apart(grains, timed.pair, options.steps, timed.style, ContactPrecision::Double);
   std::printf("  %s: %.2g radii apart after %lld steps (root mean square)\n", timed.name,
               apart.rootMeanSquare / kPackedRadius, static_cast<long long>(options.steps));
   if (!(apart.rootMeanSquare <= kSameMotion * kPackedRadius)) {
@@ -133,18 +136,23 @@ void timeLaw(const LammpsPeer& peer, const PackedGrains& grains, const Timed& ti
   }
   const double work = 1e-6 * static_cast<double>(options.steps) *
                       static_cast<double>(grains.motions.size() * grains.shape.particles.size());
-  std::vector<double> ours, theirs, ratio;
+  std::vector<double> ours, theirs, mixed, ratio, mixedRatio;
   LammpsPeer::Cost here, there;
   for (int repeat = 0; repeat < options.repeats; ++repeat) {
     there = peer.theirs(grains, timed.pair, options.steps, timed.style);
-    here = peer.ours(grains, timed.pair, options.steps);
+    const double single = peer.ours(grains, timed.pair, options.steps, ContactPrecision::Mixed).seconds;
+    here = peer.ours(grains, timed.pair, options.steps, ContactPrecision::Double);
     ours.push_back(work / here.seconds);
+    mixed.push_back(work / single);
     theirs.push_back(work / there.seconds);
     ratio.push_back(there.seconds / here.seconds);
+    mixedRatio.push_back(there.seconds / single);
   }
   printLine("LAMMPS", spreadOf(theirs), "million particle steps a second");
   printLine("ours", spreadOf(ours), "million particle steps a second");
+  printLine("ours, laws in single precision", spreadOf(mixed), "million particle steps a second");
   printLine("ours over LAMMPS", spreadOf(ratio), "times");
+  printLine("ours, laws in single precision, over LAMMPS", spreadOf(mixedRatio), "times");
   std::printf("    %-46s %9lld there, %lld here\n", "lists made anew",
               static_cast<long long>(there.listBuilds), static_cast<long long>(here.listBuilds));
   std::printf("    %-46s %9.0f there, %.0f here: %.2f times\n", "bytes a particle", there.bytesPerParticle,
