@@ -96,7 +96,7 @@ struct PackExtremes {
 /// Contacts from `contact` on, as many as P has lanes, of which `count` count. request: all but sizes and
 /// masses.
 template <class Normal, class Shear, class P>
-[[gnu::flatten]] void forcesOfPack(const ContactArrays& arrays, const ContactRun& run,
+GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun& run,
                                    NormalRequestOf<P>& request, const std::int32_t* contact,
                                    std::int32_t count, PackExtremes<P>& packed) {
   PackMeeting<P> meeting = meetingOf<P>(arrays, run, contact);

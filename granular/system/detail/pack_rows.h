@@ -8,6 +8,13 @@
 
 #include "granular/base/pack.h"
 
+// All that a kernel calls becomes part of it, but where sanitizers would make that take minutes to compile.
+#ifdef __SANITIZE_ADDRESS__
+#define GRANULAR_KERNEL
+#else
+#define GRANULAR_KERNEL [[gnu::flatten]]
+#endif
+
 namespace granular::detail {
 namespace {
 

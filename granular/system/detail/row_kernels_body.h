@@ -107,7 +107,7 @@ struct TouchingEntries {
   }
 };
 
-[[gnu::flatten]] void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
+GRANULAR_KERNEL void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
                                   PatchWrench* to) {
   TouchingEntries touching;
   for (std::int32_t patch = begin; patch < end;) {
