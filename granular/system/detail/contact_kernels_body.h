@@ -97,8 +97,8 @@ struct PackExtremes {
 /// masses.
 template <class Normal, class Shear, class P>
 GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun& run,
-                                   NormalRequestOf<P>& request, const std::int32_t* contact,
-                                   std::int32_t count, PackExtremes<P>& packed) {
+                                  NormalRequestOf<P>& request, const std::int32_t* contact,
+                                  std::int32_t count, PackExtremes<P>& packed) {
   PackMeeting<P> meeting = meetingOf<P>(arrays, run, contact);
   ContactGeometryOf<P>& g = meeting.g;
   request.contact.mass = select(meeting.inverseMass > 0.0, P(1.0 / meeting.inverseMass), 1.0);

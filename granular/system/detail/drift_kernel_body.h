@@ -27,7 +27,7 @@ struct PackHalfTurn {
 };
 
 GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
-                                          std::int32_t* left) {
+                                         std::int32_t* left) {
   std::int32_t leftCount = 0;
   const auto rowAt = [](auto* numbers, std::int32_t place, int size) {
     return numbers + std::int64_t{place} * size;

@@ -108,7 +108,7 @@ struct TouchingEntries {
 };
 
 GRANULAR_KERNEL void sumWrenches(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
-                                  PatchWrench* to) {
+                                 PatchWrench* to) {
   TouchingEntries touching;
   for (std::int32_t patch = begin; patch < end;) {
     const std::int32_t first = arrays.incidenceStart[patch];
