@@ -61,10 +61,12 @@ std::vector<Sweep> sweeps(const PrecisionScene& scene) {
   // Step bounds at their loosest, so that tolerances decide.
   const IntegratorDef base{.contactTimeFraction = 0.3, .eventContacts = 0};
   std::vector<Sweep> all;
-  const auto add = [&](const std::string& name, Stepper stepper, bool isFixed) {
+  const auto add = [&](const std::string& name, Stepper stepper, bool isFixed,
+                       ContactPrecision precision = ContactPrecision::Double) {
     Sweep sweep{.name = name, .settings = {}};
     IntegratorDef def = base;
     def.stepper = stepper;
+    def.precision = precision;
     if (stepper == Stepper::Leapfrog) def.contactTimeFraction = 0.9;
     if (isFixed) {
       for (double steps = 16; steps < 6000; steps *= std::sqrt(2.0)) {
@@ -82,6 +84,7 @@ std::vector<Sweep> sweeps(const PrecisionScene& scene) {
   add("RKF45", Stepper::Rkf45, false);
   add("Bogacki-Shampine", Stepper::BogackiShampine, false);
   add("leapfrog", Stepper::Leapfrog, false);
+  add("leapfrog, mixed precision", Stepper::Leapfrog, false, ContactPrecision::Mixed);
   add("leapfrog, fixed", Stepper::Leapfrog, true);
   add("Verlet, fixed", Stepper::Verlet, true);
   add("semi-implicit Euler, fixed", Stepper::SemiImplicitEuler, true);
