@@ -104,7 +104,7 @@ TEST(Memory, OfASphereIsWhatItsRowsAddUpTo) {
   const double spheres = kSide * kSide * kSide;
   const double candidates = static_cast<double>(report.candidates) / spheres;
   const double record = 40, motion = 112, state = 2 * 104 + 2 * 48, owner = 96, numbers = 12 * 4 + 9;
-  const double rows = 64 + 32 + 32 + 64 + 8 + 8 + 8, hash = 8 + 1 + 3 * 4 + 40 + 12;
+  const double rows = 64 + 32 + 32 + 8 + 8 + 8, hash = 8 + 1 + 3 * 4 + 40 + 12;
   const double list = 4 + 4 + 8, perCandidate = 12 + 64 + 4 + 4 + 4 + 4;
   const double all =
       record + motion + state + owner + numbers + rows + hash + list + candidates * perCandidate;
