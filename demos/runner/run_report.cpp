@@ -61,6 +61,7 @@ Json sceneInfo(const SceneDef& def) {
           {"contactTimeFraction", def.integrator.contactTimeFraction},
           {"eventFraction", def.integrator.eventFraction},
           {"eventContacts", def.integrator.eventContacts},
+          {"precision", precisionNames().at(static_cast<std::size_t>(def.integrator.precision))},
           {"smallestSubStep", def.integrator.smallestSubStep},
           {"trialLimit", def.integrator.trialLimit}};
 }

@@ -131,7 +131,7 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
       object.number("eventFraction", {.low = 0.0, .high = 1.0, .openLow = true}, def.eventFraction);
   def.eventContacts = static_cast<int>(
       object.integer("eventContacts", 0, std::numeric_limits<int>::max(), def.eventContacts));
-  def.precision = static_cast<granular::ContactPrecision>(object.choice("precision", {"double", "mixed"}, 0));
+  def.precision = static_cast<granular::ContactPrecision>(object.choice("precision", precisionNames(), 0));
   def.smallestSubStep = object.number("smallestSubStep", Range::positive(), def.smallestSubStep);
   def.trialLimit =
       static_cast<int>(object.integer("trialLimit", 1, std::numeric_limits<int>::max(), def.trialLimit));
@@ -248,6 +248,11 @@ Box readBox(JsonObject& object) {
 const std::vector<std::string>& stepperNames() {
   static const std::vector<std::string> names = {"rkf45", "leapfrog", "verlet", "semiImplicitEuler",
                                                  "bogackiShampine"};
+  return names;
+}
+
+const std::vector<std::string>& precisionNames() {
+  static const std::vector<std::string> names = {"double", "mixed"};
   return names;
 }
 

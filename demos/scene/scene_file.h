@@ -12,9 +12,9 @@
 
 namespace granular_demo {
 
-/// The scene of a file at one of its scales ("small+rough": one patch after the other); file names inside are relative to the file's folder.
-/// `base`: JSON of a scene over which the file is laid as a merge patch (SavedState::document); a file with
-/// "continues" needs one. Throws SceneError (json_object.h).
+/// The scene of a file at one of its scales ("small+rough": one patch after the other); file names inside are
+/// relative to the file's folder. `base`: JSON of a scene over which the file is laid as a merge patch
+/// (SavedState::document); a file with "continues" needs one. Throws SceneError (json_object.h).
 SceneDef readSceneFile(const std::filesystem::path& file, const std::string& scale = "default",
                        const std::string& base = "");
 
@@ -35,5 +35,7 @@ std::vector<std::string> scalesOf(const std::filesystem::path& file);
 
 /// Names a stepper has in scene files and on the command line, in the order of granular::Stepper.
 const std::vector<std::string>& stepperNames();
+/// The same of granular::ContactPrecision.
+const std::vector<std::string>& precisionNames();
 
 }  // namespace granular_demo
