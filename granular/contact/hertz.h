@@ -31,6 +31,11 @@ struct Hertz {
     return 1.5 * c.kr * sqrt(xi);
   }
 
+  /// The constant that urgency() reads.
+  template <class Real>
+  static Real& urgencyConstant(NormalConstantsOf<Real>& c) {
+    return c.stiffnessPerMass;
+  }
   /// With the present energy as that of an impact: v0^2 = xi'^2 + (4/5) (kr/m) xi^(5/2); (kr/m)^4 v0^2.
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {

@@ -35,6 +35,11 @@ struct LinearSpring {
   static Real tangentStiffness(const NormalConstantsOf<Real>& c, const Real&) {
     return c.kr;
   }
+  /// The constant that urgency() reads.
+  template <class Real>
+  static Real& urgencyConstant(NormalConstantsOf<Real>& c) {
+    return c.impactRate;
+  }
   template <class Real>
   static Real urgency(const NormalConstantsOf<Real>& c, Real, Real) {
     return urgencyOfRate(c.impactRate);

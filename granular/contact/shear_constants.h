@@ -13,6 +13,11 @@ namespace granular {
 /// Of the holding spring of eq. 17 when nothing is given: it must not swing on.
 inline constexpr double kHoldingDamping = 0.5;
 
+/// Of the dashpot beside the spring of eqs. 17 and 19.
+inline double dashpotRatio(const ShearLawDef& def) {
+  return def.dampingRatio.value_or(def.law == ShearLaw::Coulomb ? kHoldingDamping : 0.0);
+}
+
 /// mass: m_eff, kg. area: what a law by area is multiplied with when all of a body touches, m^2; 1 for laws
 /// between particles. Given constants and masses are those of the whole contact.
 template <class Normal, class Real>
@@ -27,7 +32,7 @@ ShearConstantsOf<Real> shearConstants(const MaterialPair& pair, const NormalCons
   // does.
   const Real tangentialMass = 2.0 / 7.0 * mass;
   const Real kt = def.stiffness ? Real(*def.stiffness) : Real(pair.shearModulusRatio * stiffness);
-  const double ratio = def.dampingRatio.value_or(def.law == ShearLaw::Coulomb ? kHoldingDamping : 0.0);
+  const double ratio = dashpotRatio(def);
   const Real viscosity =
       def.viscosity ? Real(*def.viscosity) : Real(tangentialMass * (std::numbers::pi * normal.impactRate));
   return {.mu = pair.friction,
@@ -36,6 +41,27 @@ ShearConstantsOf<Real> shearConstants(const MaterialPair& pair, const NormalCons
           .stiffnessRatio = pair.shearModulusRatio,
           .slipCompliance = area / sqrt(kt * tangentialMass),
           .dashpot = ratio > 0.0 ? Real(2.0 * ratio * sqrt(kt * tangentialMass) / area) : Real(0.0)};
+}
+
+/// Of the constants of a shear law between particles the one that depends on their sizes and masses.
+template <class Shear, class Real>
+Real ownShearConstant(const ShearConstantsOf<Real>& shear) {
+  return Shear::kHasMemory ? shear.slipCompliance : shear.viscosity;
+}
+/// All of them again, as shearConstants() gave them for an area of 1.
+template <class Shear, class Real>
+ShearConstantsOf<Real> shearConstantsFrom(const MaterialPair& pair, const Real& own) {
+  const double ratio = dashpotRatio(pair.def.shear);
+  ShearConstantsOf<Real> shear{.mu = pair.friction,
+                               .stiffness = pair.def.shear.stiffness.value_or(0.0),
+                               .stiffnessRatio = pair.shearModulusRatio};
+  if constexpr (Shear::kHasMemory) {
+    shear.slipCompliance = own;
+    shear.dashpot = ratio > 0.0 ? Real(2.0 * ratio / own) : Real(0.0);
+  } else {
+    shear.viscosity = own;
+  }
+  return shear;
 }
 
 }  // namespace granular

@@ -11,7 +11,7 @@ namespace granular {
 namespace {
 
 // Large enough that handing out pieces costs nothing.
-constexpr std::int32_t kVoxelsPerPiece = 256, kPatchesPerPiece = 1024;
+constexpr std::int32_t kVoxelsPerPiece = 256;
 
 /// Tags of those in a run that are near and have a higher tag go to hits; returns the end of them.
 /// No branch: which of some fifty are near, no processor guesses.
@@ -198,41 +198,6 @@ void CandidateList::joinRows(const SearchInput& input, const Executor& executor)
     for (std::size_t r = 0; r < piece.slots.size(); ++r) {
       std::copy_n(from, piece.counts[r], partner_.begin() + rowStart_[piece.slots[r]]);
       from += piece.counts[r];
-    }
-  });
-}
-
-void CandidateIncidence::rebuild(const CandidateList& list, const SearchInput& input,
-                                 std::span<const std::int32_t> patchOfSlot, std::int32_t patchCount,
-                                 const Executor& executor) {
-  const auto rowStart = list.rowStart();
-  const auto partner = list.partner();
-  // Two places ahead are the counts, one ahead the sums of those before: where the next entry goes.
-  start_.assign(patchCount + 2, 0);
-  for (const std::int32_t slot : partner) {
-    const std::int32_t patch = patchOfSlot[slot];
-    if (patch >= 0) ++start_[patch + 2];
-  }
-  for (std::int32_t p = 0; p < patchCount; ++p) start_[p + 2] += start_[p + 1];
-  resizeAnew(entries_, start_.back());
-  // First the rows, one after another as they lie in memory; ranks are all over it.
-  for (std::int32_t row = 0; row < input.dynamicCount; ++row) {
-    for (std::int32_t c = rowStart[row]; c < rowStart[row + 1]; ++c) {
-      const std::int32_t patch = patchOfSlot[partner[c]];
-      if (patch >= 0) entries_[start_[patch + 1]++] = row;
-    }
-  }
-  start_.pop_back();
-  executor.forRanges(patchCount, kPatchesPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    for (auto patch = static_cast<std::int32_t>(begin); patch < end; ++patch) {
-      const auto first = entries_.begin() + start_[patch], last = entries_.begin() + start_[patch + 1];
-      std::sort(first, last, [&](std::int32_t a, std::int32_t b) { return input.rank[a] < input.rank[b]; });
-      for (auto entry = first; entry != last;) {  // a row is there as often as it has candidates of the patch
-        const std::int32_t row = *entry;
-        for (std::int32_t c = rowStart[row]; c < rowStart[row + 1]; ++c) {
-          if (patchOfSlot[partner[c]] == patch) *entry++ = c;
-        }
-      }
     }
   });
 }

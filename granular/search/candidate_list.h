@@ -141,24 +141,4 @@ class CandidateList {
   std::vector<std::int32_t> rowStart_, partner_;
 };
 
-/// Whose particle 2 lies in which patch (a patch is a grain, or some neighbouring particles of a body): the
-/// way back from a patch to candidates that are in the rows of others, in the order of particle 1's rank.
-/// Summing rows first and then along it gives the same bits for any thread count and any list history.
-class CandidateIncidence {
- public:
-  /// patchOfSlot: -1 for particles that no patch has.
-  void rebuild(const CandidateList& list, const SearchInput& input, std::span<const std::int32_t> patchOfSlot,
-               std::int32_t patchCount, const Executor& executor);
-
-  /// Candidates of patch p: entries()[starts()[p] .. starts()[p + 1]).
-  std::span<const std::int32_t> starts() const { return start_; }
-  std::span<const std::int32_t> entries() const { return entries_; }
-  std::span<const std::int32_t> of(std::int32_t patch) const {
-    return std::span(entries_).subspan(start_[patch], start_[patch + 1] - start_[patch]);
-  }
-
- private:
-  std::vector<std::int32_t> start_, entries_;
-};
-
 }  // namespace granular

@@ -383,6 +383,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   s.body(id);
   s.prepare();
   s.evaluateNow(0.0);
+  s.evaluation.listContacts();
   const detail::Layout& layout = s.evaluation.layout();
   const std::int32_t owner = s.ownerOfBody[id.index];
   const Vector3 center = s.bodies[id.index].motion.pose.position;
@@ -392,7 +393,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
     if (!first && layout.ownerOfSlot[contact.slot2] != owner) return;
     const Vector3 force = first ? f.force : Vector3(-f.force);
     sum.force += force;
-    sum.torque += (f.point - center).cross(force);
+    sum.torque += (s.evaluation.pointOf(contact, f) - center).cross(force);
   });
   return sum;
 }
@@ -572,6 +573,7 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
   contacts.clear();
   impl_->prepare();
   impl_->evaluateNow(0.0);
+  impl_->evaluation.listContacts();
   const detail::Layout& layout = impl_->evaluation.layout();
   impl_->evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
     ContactView view;
@@ -583,7 +585,7 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
       view.particle[side] =
           slots[side] < layout.particleCount ? layout.rankOfSlot[slots[side]] - owner.firstRank : -1;
     }
-    view.point = f.point;
+    view.point = impl_->evaluation.pointOf(contact, f);
     view.force = f.force;
     view.overlap = f.overlap;
     contacts.push_back(view);

@@ -14,7 +14,7 @@
 #include "granular/contact/law_list.h"
 #include "granular/contact/pair_law.h"
 #include "granular/dynamics/equations.h"
-#include "granular/search/candidate_list.h"
+#include "granular/search/spatial_hash.h"
 #include "granular/system/detail/contact_rows.h"
 
 namespace granular::detail {
@@ -22,7 +22,7 @@ namespace granular::detail {
 /// Where the numbers are.
 struct ContactArrays {
   std::int32_t particleCount = 0;
-  std::int32_t dynamicParticles = 0;       ///< have rows of candidates
+  std::int32_t dynamicParticles = 0;
   const ParticleRow* particles = nullptr;  ///< [slot]
   const OwnerRow* owners = nullptr;        ///< [place]
   /// [place - firstBall] centre and reach. Not of what moves where that is spheres only: their particles are
@@ -32,32 +32,27 @@ struct ContactArrays {
   bool movesOnlySpheres = false;
   const std::int32_t* placeOfSlot = nullptr;     ///< place of the owner
   const double* surfaceInverseRadius = nullptr;  ///< [surface], 1/m; 0: no sphere, counts as flat
-  // The candidate list.
-  const std::int32_t* rowStart = nullptr;
-  const std::int32_t* partner = nullptr;  ///< [candidate]
-  // To be filled by RowKernel; read by the others.
-  Contact* contacts = nullptr;
-  std::int32_t* contactOfCandidate = nullptr;  ///< -1: apart
-  ContactRange* contactsOfRow = nullptr;
-  ContactForce* forces = nullptr;  ///< [contact], to be filled by ForceKernel
+  const std::int32_t* patchOfSlot = nullptr;     ///< -1: nobody asks what it bears
+  /// [candidate of CandidateBlocks] what its laws take from sizes and masses, in the precision of the forces.
+  void* lawRows = nullptr;
   // Laws with memory only.
-  const std::int32_t* memoryOfCandidate = nullptr;  ///< -1: none
+  const std::int32_t* indexOfCandidate = nullptr;   ///< in the list
+  const std::int32_t* memoryOfCandidate = nullptr;  ///< [candidate of the list] -1: none
   const MemoryEntry* memory = nullptr;
-  const double* displacements = nullptr;   ///< three numbers an entry, m
-  double* displacementRates = nullptr;     ///< to be filled
-  SettledMemory* contactMemory = nullptr;  ///< [contact], to be filled
+  const double* displacements = nullptr;  ///< three numbers an entry, m
+  double* displacementRates = nullptr;    ///< to be filled
   Moment at;
-  // Patches.
-  const std::int32_t* placeOfPatch = nullptr;
-  const std::int32_t* slotOfPatch = nullptr;     ///< one entry more than patches
-  const std::int32_t* incidenceStart = nullptr;  ///< as CandidateIncidence
-  const std::int32_t* incidenceEntries = nullptr;
 };
 
-/// Contacts between particles of rows [row, end), numbered from n on, which is moved behind them. Comes back
-/// behind the first row that has candidates on surfaces, which are left out, or at the end: returns that row.
-using RowKernel = std::int32_t (*)(const ContactArrays& arrays, std::int32_t row, std::int32_t end,
-                                   std::int32_t& n);
+/// Candidates of a block, as CandidateBlocks.
+struct CandidateSpan {
+  const std::int32_t *row, *partner;  ///< slots of particles 1 and 2
+};
+
+/// Candidates [begin, end) that overlap become contacts behind the n that are there. Stops at the first one on
+/// an exact surface, or at the end: returns that one. There must be room for contact n whoever touches.
+using FindKernel = std::int32_t (*)(const ContactArrays& arrays, const CandidateSpan& candidates,
+                                    std::int32_t begin, std::int32_t end, Contact* contacts, std::int32_t& n);
 
 /// Room for four numbers of a contact, in single or double precision: what the laws want to know of it,
 /// brought together from its particles and their owners.
@@ -66,21 +61,29 @@ struct alignas(32) MeetingRow {
   std::byte numbers[32];
 };
 
-/// Fills `to`, MeetingRow::kMost a contact at most, for the contacts of rows [begin, end).
-using GatherKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
-                              MeetingRow* to);
+/// Some contacts side by side, few enough to stay in the nearest cache.
+struct ContactChunk {
+  std::int32_t count = 0;
+  const Contact* contacts = nullptr;
+  MeetingRow* meetings = nullptr;   ///< MeetingRow::kMost a contact at most, by GatherKernel
+  ContactForce* forces = nullptr;   ///< by ForceKernel; before, on surfaces, a SurfaceMeeting each
+  TorqueRow* torques = nullptr;     ///< by ForceKernel
+  SettledMemory* memory = nullptr;  ///< by ForceKernel, of laws with memory
+};
 
-/// Some contacts under one rule.
+using GatherKernel = void (*)(const ContactArrays& arrays, const ContactChunk& chunk);
+
+/// Contacts of a chunk under one rule.
 struct ContactRun {
   const MaterialPair* pair;
   bool ofBodies;
-  /// Round particles on exact surfaces: where they meet is in `forces` already, as surfaceMeeting() leaves
-  /// it. Else both are round particles.
-  bool onSurfaces;
-  /// Behind its end the last is said again until there are a multiple of kContactsPerPack.
+  bool onSurfaces;  ///< of round particles on exact surfaces; else both are round particles
+  /// Of particles 1 of the block at hand. Others are told of by another block too: they are not counted, and
+  /// nothing is written of them but forces.
+  bool isOwn;
+  /// Of the chunk. Behind its end the last is said again until there are a multiple of kContactsPerPack.
   std::span<const std::int32_t> which;
-  const MeetingRow* meetings;  ///< from GatherKernel
-  std::int32_t firstMeeting;   ///< of this contact is the first
+  ContactChunk chunk;
 };
 /// The most that a kernel works on at a time; a power of two.
 inline constexpr std::int32_t kContactsPerPack = 16;
@@ -88,9 +91,10 @@ inline constexpr std::int32_t kContactsPerPack = 16;
 /// The forces of a run.
 using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
 
-/// What touches patches [begin, end), to `to`: contacts in their own rows, then in the rows of others.
-using WrenchKernel = void (*)(const ContactArrays& arrays, std::int32_t begin, std::int32_t end,
-                              PatchWrench* to);
+/// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums` on.
+/// Behind them is room for one more, of what goes elsewhere.
+using AddKernel = void (*)(const ContactArrays& arrays, const ContactChunk& chunk, std::int32_t firstPatch,
+                           std::int32_t patchCount, PatchWrench* sums);
 
 /// What a drift reads and writes: poses and momenta of a state by place, and the rates of these momenta.
 struct DriftArrays {
@@ -105,17 +109,49 @@ struct DriftArrays {
 using DriftKernel = std::int32_t (*)(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
                                      std::int32_t* left);
 
+/// What placing single spheres reads and writes, all by place.
+struct PlaceArrays {
+  const double *poses, *momenta;
+  const double* inverseInertia;
+  ParticleRow* particles;
+  OwnerRow* owners;
+  const ListedRow* listed;  ///< null: nothing to compare with
+};
+/// Of some owners: how much farther than its margin one has gone since the list was made, squares, m^2, 0 if
+/// none has; and how fast any point of them may be, m/s.
+struct PlacedExtremes {
+  double beyond = 0.0, speed = 0.0;
+};
+
+/// Rows of single spheres in places [begin, end) that are their own particles.
+using PlaceKernel = PlacedExtremes (*)(const PlaceArrays& arrays, std::int32_t begin, std::int32_t end);
+
+/// Rates of the momenta of grains in places [begin, end), patches of the same numbers, from what contacts do
+/// to them, one after the other from `wrench` on, and gravity, m/s^2.
+using AccelerationKernel = void (*)(const OwnerRow* owners, const PatchWrench* wrench,
+                                    const Vector3& gravity, std::int32_t begin, std::int32_t end,
+                                    double* rates);
+
+/// Fills ContactArrays::lawRows of the candidates in a run.
+using LawKernel = void (*)(const ContactArrays& arrays, const ContactRun& run);
+
 struct ForceKernels {
-  GatherKernel gather;
   /// By normal and shear law; null for laws by area.
-  std::array<std::array<ForceKernel, ShearLaws::kCount>, NormalLaws::kCount> forces;
+  template <class Kernel>
+  using ByLaws = std::array<std::array<Kernel, ShearLaws::kCount>, NormalLaws::kCount>;
+  std::size_t lawRowSize;  ///< bytes
+  GatherKernel gather;
+  ByLaws<LawKernel> laws;
+  ByLaws<ForceKernel> forces;
 };
 
 struct ContactKernels {
   const char* processor;  ///< what it is for
   DriftKernel drift;
-  RowKernel findContacts;
-  WrenchKernel sumWrenches;
+  PlaceKernel placeSpheres;
+  FindKernel findContacts;
+  AddKernel addWrenches;
+  AccelerationKernel accelerateGrains;
   const ForceKernels *forces, *mixedForces;  ///< ContactPrecision::Double, Mixed
 };
 

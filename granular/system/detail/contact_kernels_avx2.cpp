@@ -2,6 +2,7 @@
 // The kernels for processors with AVX2.
 #include "granular/system/detail/contact_kernels_body.h"
 #include "granular/system/detail/drift_kernel_body.h"
+#include "granular/system/detail/motion_kernels_body.h"
 #include "granular/system/detail/row_kernels_body.h"
 
 namespace granular::detail {
@@ -10,7 +11,13 @@ static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
 
 extern const ForceKernels kAvx2MixedForces;
 extern const ContactKernels kAvx2Kernels;
-const ContactKernels kAvx2Kernels = {"avx2",      driftOwners, findContacts,
-                                     sumWrenches, &kForces,    &kAvx2MixedForces};
+const ContactKernels kAvx2Kernels = {.processor = "avx2",
+                                     .drift = driftOwners,
+                                     .placeSpheres = placeSpheres,
+                                     .findContacts = findContacts,
+                                     .addWrenches = addWrenches,
+                                     .accelerateGrains = accelerateGrains,
+                                     .forces = &kForces,
+                                     .mixedForces = &kAvx2MixedForces};
 
 }  // namespace granular::detail

@@ -2,6 +2,7 @@
 // The kernels for every processor that the library is compiled for.
 #include "granular/system/detail/contact_kernels_body.h"
 #include "granular/system/detail/drift_kernel_body.h"
+#include "granular/system/detail/motion_kernels_body.h"
 #include "granular/system/detail/row_kernels_body.h"
 
 namespace granular::detail {
@@ -10,7 +11,13 @@ static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
 
 extern const ForceKernels kBaselineMixedForces;
 extern const ContactKernels kBaselineKernels;
-const ContactKernels kBaselineKernels = {"baseline",  driftOwners, findContacts,
-                                         sumWrenches, &kForces,    &kBaselineMixedForces};
+const ContactKernels kBaselineKernels = {.processor = "baseline",
+                                         .drift = driftOwners,
+                                         .placeSpheres = placeSpheres,
+                                         .findContacts = findContacts,
+                                         .addWrenches = addWrenches,
+                                         .accelerateGrains = accelerateGrains,
+                                         .forces = &kForces,
+                                         .mixedForces = &kBaselineMixedForces};
 
 }  // namespace granular::detail

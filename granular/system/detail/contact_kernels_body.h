@@ -51,10 +51,11 @@ Vector3Of<P> displacementsOf(const ContactArrays& arrays, const Entries<P>& entr
 /// What contacts remember once the sub-step is accepted, 0 where they do not touch after all; and at what
 /// rate what they remember so far changes.
 template <class P>
-void storeMemory(const ContactArrays& arrays, const std::int32_t* contact, const Entries<P>& entry,
-                 const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
+void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::int32_t* contact,
+                 const Entries<P>& entry, const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
+  if (!run.isOwn) return;
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
-  const auto of = [&](int lane) -> SettledMemory& { return arrays.contactMemory[contact[lane]]; };
+  const auto of = [&](int lane) -> SettledMemory& { return run.chunk.memory[contact[lane]]; };
   const Vector3Of<P>&D = memory.displacement, &next = memory.nextRate;
   forRows<P>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
              [&](int lane, const Four& row) { storeFour(row, of(lane).displacement.data()); });
@@ -93,50 +94,108 @@ struct PackExtremes {
   P contacts = 0.0, pushing = 0.0;  // how many
 };
 
-/// Contacts from `contact` on, as many as P has lanes, of which `count` count. request: all but sizes and
-/// masses.
+/// What the laws of a pair take from sizes and masses, in the four numbers of its law row.
 template <class Normal, class Shear, class P>
-GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun& run,
-                                  NormalRequestOf<P>& request, const std::int32_t* contact,
-                                  std::int32_t count, PackExtremes<P>& packed) {
+struct PairConstants {
+  NormalConstantsOf<P> normal = {};
+  ShearConstantsOf<P> shear = {};
+
+  static PairConstants from(const MaterialPair& pair, double smallestForce, const FourPacks<P>& row) {
+    PairConstants constants;
+    constants.shear = shearConstantsFrom<Shear, P>(pair, row.fourth);
+    constants.normal.kr = row.first;
+    constants.normal.kd = row.second;
+    constants.normal.smallestForce = smallestForce;
+    Normal::template urgencyConstant<P>(constants.normal) = row.third;
+    return constants;
+  }
+  FourPacks<P> row() {
+    return {normal.kr, normal.kd, Normal::template urgencyConstant<P>(normal),
+            ownShearConstant<Shear, P>(shear)};
+  }
+};
+
+template <class P>
+char* lawRowOf(const ContactArrays& arrays, const ContactRun& run, std::int32_t contact) {
+  return static_cast<char*>(arrays.lawRows) +
+         run.chunk.contacts[contact].candidate * std::ptrdiff_t{sizeof(RowOf<P>)};
+}
+
+/// The law rows of a run.
+template <class Normal, class Shear, class P>
+void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
+  NormalRequestOf<P> request = requestOf<P>(*run.pair, run.ofBodies);
+  for (std::size_t n = 0; n < run.which.size(); n += P::kSize) {
+    const std::int32_t* contact = run.which.data() + n;
+    const auto contactAt = [&](int lane) -> const Contact& { return run.chunk.contacts[contact[lane]]; };
+    const auto ownerOf = [&](std::int32_t slot) -> const OwnerRow& {
+      return arrays.owners[arrays.placeOfSlot[slot]];
+    };
+    const P inverseMass([&](int lane) {
+      return ownerOf(contactAt(lane).slot1).inverseMass + ownerOf(contactAt(lane).slot2).inverseMass;
+    });
+    const P inverseRadius([&](int lane) {
+      const auto& [slot1, slot2, candidate] = contactAt(lane);
+      return 1.0 / arrays.particles[slot1].radius +
+             (run.onSurfaces ? arrays.surfaceInverseRadius[slot2 - arrays.particleCount]
+                             : 1.0 / arrays.particles[slot2].radius);
+    });
+    request.contact.mass = select(inverseMass > 0.0, P(1.0 / inverseMass), 1.0);
+    request.contact.radius = 1.0 / inverseRadius;
+    PairConstants<Normal, Shear, P> constants;
+    constants.normal = Normal::template constants<P>(request);
+    constants.shear = shearConstants<Normal, P>(*run.pair, constants.normal, request.contact.mass, 1.0);
+    forRows<P>(constants.row(), [&](int lane, const Four& row) {
+      const auto narrow = __builtin_convertvector(row, RowOf<P>);
+      std::memcpy(lawRowOf<P>(arrays, run, contact[lane]), &narrow, sizeof(narrow));
+    });
+  }
+}
+
+/// Contacts from `contact` on, as many as P has lanes, of which `count` count.
+template <class Normal, class Shear, class P>
+GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double smallestForce,
+                                  const std::int32_t* contact, std::int32_t count, PackExtremes<P>& packed) {
   PackMeeting<P> meeting = meetingOf<P>(arrays, run, contact);
   ContactGeometryOf<P>& g = meeting.g;
-  request.contact.mass = select(meeting.inverseMass > 0.0, P(1.0 / meeting.inverseMass), 1.0);
-  request.contact.radius = meeting.effectiveRadius;
-  const NormalConstantsOf<P> normal = Normal::template constants<P>(request);
-  const ShearConstantsOf<P> shear = shearConstants<Normal, P>(*run.pair, normal, request.contact.mass, 1.0);
+  const auto [normal, shear] = PairConstants<Normal, Shear, P>::from(
+      *run.pair, smallestForce, packsOf<P>([&](int lane) {
+        RowOf<P> row;
+        std::memcpy(&row, lawRowOf<P>(arrays, run, contact[lane]), sizeof(row));
+        return row;
+      }));
 
   const auto touches = g.xi > 0.0;  // rounding may disagree with findContacts
   ContactResultOf<P> result;
   if constexpr (Shear::kHasMemory) {
     Entries<P> entry;
     for (int lane = 0; lane < P::kSize; ++lane) {
-      entry[lane] = arrays.memoryOfCandidate[arrays.contacts[contact[lane]].candidate];
+      entry[lane] = arrays.memoryOfCandidate[arrays.indexOfCandidate[run.chunk.contacts[contact[lane]].candidate]];
     }
     ContactMemoryOf<P> memory;
     g.turning = turningOf(meeting, run.onSurfaces);
     const Vector3Of<P> D = displacementsOf<Normal, P>(arrays, entry, shear, g);
     result = resultWithMemory<Normal, Shear, P>(normal, shear, g, D, memory);
-    storeMemory<P>(arrays, contact, entry, memory, touches);
+    storeMemory<P>(arrays, run, contact, entry, memory, touches);
   } else {
     result = resultWithoutMemory<Normal, Shear, P>(normal, shear, g);
   }
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
-  forRows<P>({ifTouching(result.force.x()), ifTouching(result.force.y()), ifTouching(result.force.z()),
-              ifTouching(result.dissipation)},
-             [&](int lane, const Four& row) { storeFour(row, arrays.forces[contact[lane]].force.data()); });
-  if (!run.onSurfaces) {  // whose points are there already
-    const Vector3Of<P> toPoint = meeting.arm1 * g.N;
-    forRows<P>({toPoint.x(), toPoint.y(), toPoint.z(), g.xi}, [&](int lane, const Four& row) {
-      const ParticleRow& particle = arrays.particles[arrays.contacts[contact[lane]].slot1];
-      storeFour(withFourth(loadFour(&particle.x), Four{}) + row, arrays.forces[contact[lane]].point.data());
-    });
-  }
+  const Vector3Of<P> force{ifTouching(result.force.x()), ifTouching(result.force.y()),
+                           ifTouching(result.force.z())};
+  const Vector3Of<P> torque1 = meeting.toPoint1.cross(force), torque2 = meeting.toPoint2.cross(force);
+  forRows<P>({force.x(), force.y(), force.z(), ifTouching(result.dissipation)},
+             [&](int lane, const Four& row) { storeFour(row, run.chunk.forces[contact[lane]].force.data()); });
+  forRows<P>({torque2.x(), torque2.y(), torque2.z(), g.xi},
+             [&](int lane, const Four& row) { storeFour(row, run.chunk.forces[contact[lane]].torque.data()); });
+  forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)}, [&](int lane, const Four& row) {
+    storeFour(row, run.chunk.torques[contact[lane]].torque.data());
+  });
 
   const P xiDot = g.V.dot(g.N);
-  NormalConstantsOf<P> pressing;
-  pressing.stiffnessPerMass = ifTouching(normal.stiffnessPerMass);
-  pressing.impactRate = ifTouching(normal.impactRate);
+  NormalConstantsOf<P> pressing = normal;
+  P& constant = Normal::template urgencyConstant<P>(pressing);
+  constant = ifTouching(constant);
   packed.urgency = max(packed.urgency, urgencyOf<Normal>(pressing, g.xi, xiDot));
   packed.overlap = max(packed.overlap, g.xi / meeting.smallerRadius);
   const auto counts = touches && P([](int lane) { return double(lane); }) < P(double(count));
@@ -146,12 +205,13 @@ GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun&
 
 template <class Normal, class Shear, class P>
 void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes) {
-  NormalRequestOf<P> request = requestOf<P>(*run.pair, run.ofBodies);
+  const double smallestForce = requestOf<double>(*run.pair, run.ofBodies).smallestForce();
   PackExtremes<P> packed;
   static_assert(kContactsPerPack % P::kSize == 0);
   const auto count = static_cast<std::int32_t>(run.which.size());
   for (std::int32_t n = 0; n < count; n += P::kSize) {
-    forcesOfPack<Normal, Shear, P>(arrays, run, request, run.which.data() + n, count - n, packed);
+    forcesOfPack<Normal, Shear, P>(arrays, run, smallestForce, run.which.data() + n,
+                                   run.isOwn ? count - n : 0, packed);
   }
   for (int lane = 0; lane < Pack::kSize; ++lane) {
     extremes.urgency = std::max(extremes.urgency, packed.urgency[lane]);
@@ -163,24 +223,21 @@ void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extr
   }
 }
 
-template <class Normal, class Shear, class P>
-constexpr ForceKernel kernelFor() {
-  if constexpr (Normal::kByArea) {
-    return nullptr;
-  } else {
-    return forcesOf<Normal, Shear, P>;
-  }
-}
-
 template <class P, class Normal, class... Shears>
-constexpr std::array<ForceKernel, sizeof...(Shears)> kernelsOf(LawList<Shears...>) {
-  return {kernelFor<Normal, Shears, P>()...};
+constexpr void addKernels(ForceKernels& kernels, LawList<Shears...>, int normal) {
+  if constexpr (!Normal::kByArea) {
+    kernels.laws[normal] = {lawsOf<Normal, Shears, P>...};
+    kernels.forces[normal] = {forcesOf<Normal, Shears, P>...};
+  }
 }
 
 /// P: of what the laws are worked out in.
 template <class P, class... Normals>
 constexpr ForceKernels allKernels(LawList<Normals...>) {
-  return {gatherMeetings<P>, {kernelsOf<P, Normals>(ShearLaws{})...}};
+  ForceKernels kernels{.lawRowSize = sizeof(RowOf<P>), .gather = gatherMeetings<P>, .laws = {}, .forces = {}};
+  int normal = 0;
+  (addKernels<P, Normals>(kernels, ShearLaws{}, normal++), ...);
+  return kernels;
 }
 
 }  // namespace

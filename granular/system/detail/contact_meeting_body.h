@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where two things meet and how they move there: first side by side in memory, a contact after the other
-// along the rows of their particles 1, then in packs. Part of contact_kernels_body.h, and local to the file
+// Where two things meet and how they move there: first side by side in memory, a contact after the other,
+// then in packs. Part of contact_kernels_body.h, and local to the file
 // that includes it as all of that.
 #pragma once
 
@@ -24,7 +24,7 @@ using RowOf = std::conditional_t<std::is_same_v<P, Pack>, Four, FourFloats>;
 /// spheres moves.
 enum MeetingRowIndex : int {
   kWay,    ///< from particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2; not on surfaces
-  kApart,  ///< velocity of owner 1 less that of owner 2, m/s; the sum of inverse masses, 1/kg
+  kApart,  ///< velocity of owner 1 less that of owner 2, m/s
   kSpin1,  ///< angular velocity of owner 1, rad/s; R1, m
   kSpin2,  ///< angular velocity of owner 2, rad/s; R2, m; on surfaces one over the surface's radius, 1/m
   kArm1,   ///< from the centre of owner 1 to that of particle 1, m; on surfaces to the point
@@ -35,47 +35,54 @@ constexpr int rowsOfMeeting(bool movesOnlySpheres) {
 }
 
 static_assert(offsetof(ParticleRow, radius) == 3 * sizeof(double));
-static_assert(offsetof(OwnerRow, inverseMass) == 3 * sizeof(double));
 
-/// Meetings of contacts in rows [begin, end), one after the other from `to` on.
-template <class P>
-void gatherMeetings(const ContactArrays& arrays, std::int32_t begin, std::int32_t end, MeetingRow* to) {
+template <class P, bool kMovesOnlySpheres>
+void gatherMeetingsOf(const ContactArrays& arrays, const ContactChunk& chunk) {
+  constexpr int kStride = rowsOfMeeting(kMovesOnlySpheres) * sizeof(RowOf<P>);
   const Four minus = {-1.0, -1.0, -1.0, 1.0};
-  const int stride = rowsOfMeeting(arrays.movesOnlySpheres);
-  auto* out = reinterpret_cast<char*>(to);
+  const ParticleRow *particles = arrays.particles, *balls = arrays.balls;
+  const OwnerRow* owners = arrays.owners;
+  const Contact* contacts = chunk.contacts;
+  const double* surfaceInverseRadius = arrays.surfaceInverseRadius;
+  const std::int32_t* placeOfSlot = arrays.placeOfSlot;
+  const std::int32_t particleCount = arrays.particleCount, dynamicParticles = arrays.dynamicParticles,
+                     firstBall = arrays.firstBall;
+  const auto placeOf = [=](std::int32_t slot) {
+    return kMovesOnlySpheres && slot < dynamicParticles ? slot : placeOfSlot[slot];
+  };
+  auto* out = reinterpret_cast<char*>(chunk.meetings);
   const auto put = [&](int row, const Four& numbers) {
     const auto narrow = __builtin_convertvector(numbers, RowOf<P>);
     std::memcpy(out + row * sizeof(narrow), &narrow, sizeof(narrow));
   };
-  for (std::int32_t row = begin; row < end; ++row) {
-    const ContactRange own = arrays.contactsOfRow[row];
-    const std::int32_t place1 = arrays.movesOnlySpheres ? row : arrays.placeOfSlot[row];
-    const OwnerRow& owner1 = arrays.owners[place1];
-    const Four a = loadFour(&arrays.particles[row].x), velocity1 = loadFour(owner1.velocity.data());
-    const Four spin1 = withFourth(loadFour(owner1.angularVelocity.data()), a);
-    const Four center1 = arrays.movesOnlySpheres ? a : loadFour(&arrays.balls[place1].x);
-    for (std::int32_t n = own.first; n < own.last; ++n, out += stride * sizeof(RowOf<P>)) {
-      const std::int32_t slot2 = arrays.contacts[n].slot2;
-      const bool isPlace = arrays.movesOnlySpheres && slot2 < arrays.dynamicParticles;
-      const std::int32_t place2 = isPlace ? slot2 : arrays.placeOfSlot[slot2];
-      const OwnerRow& owner2 = arrays.owners[place2];
-      const bool isRound = slot2 < arrays.particleCount;
-      const Four b = isRound ? loadFour(&arrays.particles[slot2].x)
-                             : Four{0.0, 0.0, 0.0, arrays.surfaceInverseRadius[slot2 - arrays.particleCount]};
-      // An overlap is a small difference, which single precision would not see.
-      const Four d = b + minus * a;  // fourth: the sum of radii
-      const Four q = minus * (d * d);
-      const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
-      put(kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
-      put(kApart, velocity1 + minus * loadFour(owner2.velocity.data()));
-      put(kSpin1, spin1);
-      put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
-      if (arrays.movesOnlySpheres) continue;
-      const Four point = loadFour(arrays.forces[n].point.data());  // as surfaceMeeting() left it
-      put(kArm1, (isRound ? a : point) - center1);
-      put(kArm2, (isRound ? b : point) - loadFour(&arrays.balls[place2 - arrays.firstBall].x));
+  for (std::int32_t n = 0; n < chunk.count; ++n, out += kStride) {
+    const auto [slot1, slot2, candidate] = contacts[n];
+    const std::int32_t place1 = kMovesOnlySpheres ? slot1 : placeOfSlot[slot1], place2 = placeOf(slot2);
+    const OwnerRow &owner1 = owners[place1], &owner2 = owners[place2];
+    const bool isRound = slot2 < particleCount;
+    const Four a = loadFour(&particles[slot1].x);
+    const Four b = isRound ? loadFour(&particles[slot2].x)
+                           : Four{0.0, 0.0, 0.0, surfaceInverseRadius[slot2 - particleCount]};
+    // An overlap is a small difference, which single precision would not see.
+    const Four d = b + minus * a;  // fourth: the sum of radii
+    const Four q = minus * (d * d);
+    const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
+    put(kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
+    put(kApart, loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()));
+    put(kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
+    put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
+    if constexpr (!kMovesOnlySpheres) {
+      const auto& meeting = reinterpret_cast<const SurfaceMeeting&>(chunk.forces[n]);
+      const Four point = loadFour(meeting.point.data());
+      put(kArm1, (isRound ? a : point) - loadFour(&balls[place1].x));
+      put(kArm2, (isRound ? b : point) - loadFour(&balls[place2 - firstBall].x));
     }
   }
+}
+template <class P>
+void gatherMeetings(const ContactArrays& arrays, const ContactChunk& chunk) {
+  return arrays.movesOnlySpheres ? gatherMeetingsOf<P, true>(arrays, chunk)
+                                 : gatherMeetingsOf<P, false>(arrays, chunk);
 }
 
 /// Where some contacts meet and how they move there.
@@ -83,9 +90,9 @@ template <class P>
 struct PackMeeting {
   ContactGeometryOf<P> g;
   P radius1, distance;  ///< distance: of the centres, m; 0 on flat surfaces
-  P effectiveRadius, smallerRadius;
-  P arm1;  ///< from the centre of particle 1 to the point along N, m
-  P inverseMass;
+  P smallerRadius;
+  P arm1, arm2;  ///< from the centres of the particles to the point, along N and against it, m
+  Vector3Of<P> toPoint1, toPoint2;  ///< from the centres of the owners to the point, m
   Vector3Of<P> angularVelocity1, angularVelocity2;
   Vector3Of<P> velocityOfCenters;  ///< of particle 1 against 2, m/s
 };
@@ -103,24 +110,24 @@ void meetRound(const FourPacks<P>& way, const P& radius2, PackMeeting<P>& meetin
          select(isClear, apart.z() * inverse, 0.0)};  // eq. 2
   meeting.arm1 = meeting.radius1 - 0.5 * g.xi;
   meeting.distance = distance;
-  meeting.effectiveRadius = meeting.radius1 * radius2 / sum;
   meeting.smallerRadius = min(meeting.radius1, radius2);
 }
 
-/// Of round particles on exact surfaces, from surfaceMeeting(). inverseRadius: of the surfaces.
+/// Of round particles on exact surfaces, from their SurfaceMeeting. inverseRadius: of the surfaces.
 template <class P>
-void meetSurface(const ContactArrays& arrays, const std::int32_t* contact, const P& inverseRadius,
+void meetSurface(const ContactChunk& chunk, const std::int32_t* contact, const P& inverseRadius,
                  PackMeeting<P>& meeting) {
   ContactGeometryOf<P>& g = meeting.g;
-  const FourPacks<P> way =
-      packsOf<P>([&](int lane) { return loadFour(arrays.forces[contact[lane]].force.data()); });
+  const auto at = [&](int lane) -> const SurfaceMeeting& {
+    return reinterpret_cast<const SurfaceMeeting&>(chunk.forces[contact[lane]]);
+  };
+  const FourPacks<P> way = packsOf<P>([&](int lane) { return loadFour(at(lane).normal.data()); });
   g.N = {way.first, way.second, way.third};
   g.share = way.fourth;
-  g.xi = P([&](int lane) { return arrays.forces[contact[lane]].overlap; });
+  g.xi = P([&](int lane) { return at(lane).overlap; });
   const P R = meeting.radius1;
   meeting.arm1 = R - g.xi;
   meeting.distance = select(inverseRadius > 0.0, P(R + 1.0 / inverseRadius - g.xi), 0.0);
-  meeting.effectiveRadius = R / (1.0 + R * inverseRadius);
   meeting.smallerRadius = R;
 }
 
@@ -131,8 +138,8 @@ PackMeeting<P> meetingOf(const ContactArrays& arrays, const ContactRun& run, con
   const auto rowsOf = [&](int row) {
     return packsOf<P>([&](int lane) {
       RowOf<P> numbers;
-      const std::ptrdiff_t number = std::ptrdiff_t{contact[lane] - run.firstMeeting} * stride + row;
-      std::memcpy(&numbers, reinterpret_cast<const char*>(run.meetings) + number * sizeof(numbers),
+      const std::ptrdiff_t number = std::ptrdiff_t{contact[lane]} * stride + row;
+      std::memcpy(&numbers, reinterpret_cast<const char*>(run.chunk.meetings) + number * sizeof(numbers),
                   sizeof(numbers));
       return numbers;
     });
@@ -145,26 +152,32 @@ PackMeeting<P> meetingOf(const ContactArrays& arrays, const ContactRun& run, con
   const FourPacks<P> apart = rowsOf(kApart), spin1 = rowsOf(kSpin1), spin2 = rowsOf(kSpin2);
   const Vector3Of<P> w1 = meeting.angularVelocity1 = vectorOf(spin1);
   const Vector3Of<P> w2 = meeting.angularVelocity2 = vectorOf(spin2);
-  meeting.inverseMass = apart.fourth;
   meeting.radius1 = spin1.fourth;
   if (run.onSurfaces) {
-    meetSurface(arrays, contact, spin2.fourth, meeting);
+    meetSurface(run.chunk, contact, spin2.fourth, meeting);
   } else {
     meetRound(rowsOf(kWay), spin2.fourth, meeting);
   }
   // How the point moves (eq. 3), and the centres. What turns round particles moves the point alone.
-  const P arm2 = meeting.distance - meeting.arm1;
-  const Vector3Of<P> ofPoint = (meeting.arm1 * w1 + arm2 * w2).cross(g.N);
+  meeting.arm2 = meeting.distance - meeting.arm1;
+  const Vector3Of<P> ofPoint = (meeting.arm1 * w1 + meeting.arm2 * w2).cross(g.N);
   g.V = vectorOf(apart) + ofPoint;
   meeting.velocityOfCenters = vectorOf(apart);
+  meeting.toPoint1 = meeting.arm1 * g.N;
+  meeting.toPoint2 = P(-meeting.arm2) * g.N;
   if (arrays.movesOnlySpheres) return meeting;
-  const Vector3Of<P> ofArms = w1.cross(vectorOf(rowsOf(kArm1))) - w2.cross(vectorOf(rowsOf(kArm2)));
+  const Vector3Of<P> arm1 = vectorOf(rowsOf(kArm1)), arm2 = vectorOf(rowsOf(kArm2));
+  const Vector3Of<P> ofArms = w1.cross(arm1) - w2.cross(arm2);
   if (run.onSurfaces) {  // arms reach to the point
     g.V = vectorOf(apart) + ofArms;
     meeting.velocityOfCenters = g.V - ofPoint;
+    meeting.toPoint1 = arm1;
+    meeting.toPoint2 = arm2;
   } else {
     g.V = g.V + ofArms;
     meeting.velocityOfCenters = vectorOf(apart) + ofArms;
+    meeting.toPoint1 = meeting.toPoint1 + arm1;
+    meeting.toPoint2 = meeting.toPoint2 + arm2;
   }
   return meeting;
 }

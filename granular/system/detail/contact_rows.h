@@ -19,26 +19,41 @@ struct alignas(64) OwnerRow {
 };
 static_assert(sizeof(OwnerRow) == 64, "one cache line, read once a side of a contact");
 
+/// Where a particle was when the list was made, and how far it may go until the list is old.
+struct alignas(32) ListedRow {
+  double x, y, z;        ///< m, world
+  double marginSquared;  ///< m^2
+};
+
 /// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
 struct Contact {
   std::int32_t slot1, slot2;
-  std::int32_t candidate;
+  std::int32_t candidate;  ///< of CandidateBlocks; of the list where contacts are kept
 };
 
 /// What a contact does: one cache line.
 struct alignas(64) ContactForce {
   Vector3 force;       ///< on the owner of particle 1, N, world
   double dissipation;  ///< power turned into heat, W
-  Vector3 point;       ///< where it acts, m, world
+  Vector3 torque;      ///< of that force about the centre of owner 2, who bears less both, N m, world
   double overlap;      ///< m; 0: the particles do not touch after all
 };
-static_assert(sizeof(ContactForce) == 64, "read once per side of a contact when wrenches are summed");
+static_assert(sizeof(ContactForce) == 64, "read when wrenches are summed");
 
 /// What a contact on an exact surface is before its force is known, in the same row.
-inline ContactForce surfaceMeeting(const Vector3& normal, double slope, const Vector3& point,
-                                   double overlap) {
-  return {normal, slope, point, overlap};
-}
+struct alignas(64) SurfaceMeeting {
+  Vector3 normal;  ///< out of particle 1, world
+  double slope;    ///< of the distance
+  Vector3 point;   ///< where they meet, m, world
+  double overlap;  ///< m
+};
+static_assert(sizeof(SurfaceMeeting) == sizeof(ContactForce));
+
+/// Of a contact's force about the centre of owner 1.
+struct alignas(32) TorqueRow {
+  Vector3 torque;  ///< N m, world
+  double padding;
+};
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
 struct alignas(64) PatchWrench {

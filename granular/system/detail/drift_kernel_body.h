@@ -26,6 +26,9 @@ struct PackHalfTurn {
   }
 };
 
+/// Squares of lengths of quaternions from which one step of Newton's leads back to 1 within rounding.
+constexpr double kNearUnit = 1.0 - 1e-8;
+
 GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
                                          std::int32_t* left) {
   std::int32_t leftCount = 0;
@@ -35,6 +38,10 @@ GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t
   const auto step = [](const Vector3Of<Pack>& v, double t, const FourPacks<Pack>& rate) -> Vector3Of<Pack> {
     return {v.first + t * rate.first, v.second + t * rate.second, v.third + t * rate.third};
   };
+  for (std::int64_t i = std::int64_t{begin} * state::kMomentaSize; i < std::int64_t{end} * state::kMomentaSize;
+       ++i) {
+    arrays.momentaTo[i] = arrays.momenta[i] + arrays.drift.kick * arrays.rates[i];
+  }
   for (std::int32_t place = begin; place < end; place += Pack::kSize) {
     // Lanes to spare do the last owner again.
     const auto at = [&](int lane) { return std::min(place + lane, end - 1); };
@@ -63,28 +70,21 @@ GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t
     const Vector3Of<Pack> u = turn.sineOverAngle * half, p{q.second, q.third, q.fourth};
     const Pack w = turn.cosine * q.first - u.dot(p);
     const Vector3Of<Pack> turned = turn.cosine * p + (q.first * u + u.cross(p));
-    const Pack norm = sqrt(w * w + turned.squaredNorm());
+    // A unit quaternion turned by another is one but for rounding: Newton's step to one over its length.
+    const Pack lengthSquared = w * w + turned.squaredNorm(), toUnit = 1.5 - 0.5 * lengthSquared;
 
-    const Vector3Of<Pack> vNext = step(v, arrays.drift.kick, pull),
-                          LNext = step(L, arrays.drift.kick, torque);
     const auto poseTo = [&](int from) {
       return [&arrays, &at, rowAt, from](int lane, const Four& row) {
         storeFour(row, rowAt(arrays.posesTo, at(lane), state::kPoseSize) + from);
       };
     };
-    const auto momentaTo = [&](int from) {
-      return [&arrays, &at, rowAt, from](int lane, const Four& row) {
-        storeFour(row, rowAt(arrays.momentaTo, at(lane), state::kMomentaSize) + from);
-      };
-    };
-    const Pack wNext = w / norm;
+    const Pack wNext = toUnit * w;
     forRows<Pack>({position.first + way.x(), position.second + way.y(), position.third + way.z(), wNext},
                   poseTo(0));
-    forRows<Pack>({wNext, turned.x() / norm, turned.y() / norm, turned.z() / norm}, poseTo(3));
-    forRows<Pack>({vNext.x(), vNext.y(), vNext.z(), LNext.x()}, momentaTo(0));
-    forRows<Pack>({vNext.z(), LNext.x(), LNext.y(), LNext.z()}, momentaTo(2));
+    forRows<Pack>({wNext, toUnit * turned.x(), toUnit * turned.y(), toUnit * turned.z()}, poseTo(3));
 
-    const Pack::Mask isDone = square < Pack(PackHalfTurn::kLargestSquare) && inverseInertia > 0.0;
+    const Pack::Mask isDone = square < Pack(PackHalfTurn::kLargestSquare) && inverseInertia > 0.0 &&
+                              lengthSquared > kNearUnit && lengthSquared < 1.0 / kNearUnit;
     for (int lane = 0; lane < std::min(Pack::kSize, end - place); ++lane) {
       left[leftCount] = place + lane;
       leftCount += !isDone[lane];

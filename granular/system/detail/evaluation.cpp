@@ -19,6 +19,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   materialPairs_ = materialPairs;
   materials_ = materials;
   layRows();
+  layBlocks();
   rotations_.assign(layout_.owners.size() - layout_.dynamicGrains, Matrix3::Identity());
   surfaces_.assign(layout_.surfaceCount(), SurfaceRow{});
   surfaceInverseRadius_.clear();
@@ -33,6 +34,29 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
   noteLaws();
   makePairLaws();
   placeFixed();
+}
+
+/// Places in blocks: so few rows that what they need stays in the nearest caches, so many that few contacts
+/// are between two blocks. Contacts between bodies cost most by far: they are best in one.
+void Evaluation::layBlocks() {
+  constexpr std::int32_t kRows = 512, kBodyRows = 4096;
+  const std::int32_t moving = layout_.movingCount();
+  firstPlaceOfBlock_ = {0};
+  firstSlotOfBlock_ = {0};
+  blockOfPatch_.resize(layout_.patchCount);
+  std::int32_t grainRows = 0, rows = 0;
+  for (std::int32_t place = 0; place < moving; ++place) {
+    const std::int32_t block = blockCount(), end = layout_.slotOfPlace[place + 1];
+    std::fill(blockOfPatch_.begin() + layout_.patchOfPlace[place],
+              blockOfPatch_.begin() + layout_.patchOfPlace[place + 1], block);
+    const std::int32_t count = end - layout_.slotOfPlace[place];
+    rows += count;
+    if (layout_.ownerOfPlace[place] < layout_.dynamicGrains) grainRows += count;
+    if (grainRows < kRows && rows < kBodyRows && place + 1 < moving) continue;
+    firstPlaceOfBlock_.push_back(place + 1);
+    firstSlotOfBlock_.push_back(std::min(end, layout_.dynamicParticles));
+    grainRows = rows = 0;
+  }
 }
 
 /// All of the rows that time does not change.
@@ -79,9 +103,9 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
   ++evaluations;
   placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
   updateCandidates();          // only when something has moved too far                     sec. 3.2
+  updateLawRows();
   const ContactArrays arrays = arraysAt(at, y, rate);
-  workOutContacts(arrays, y, rate);  // pairs with overlap > 0 and their forces             eqs. 1-19
-  moveOwners(arrays, y, rate);       // wrench of each grain and moving body; their motion  secs. 3.1, 3.4
+  workOnBlocks(arrays, y, rate);  // contacts, forces, wrenches, motion        eqs. 1-19, secs. 3.1, 3.4
 }
 
 /// What the kernels read and fill.
@@ -96,22 +120,14 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .movesOnlySpheres = layout_.movesOnlySpheres,
           .placeOfSlot = layout_.placeOfSlot.data(),
           .surfaceInverseRadius = surfaceInverseRadius_.data(),
-          .rowStart = list_.rowStart().data(),
-          .partner = list_.partner().data(),
-          .contacts = contacts_.data(),
-          .contactOfCandidate = contactOfCandidate_.data(),
-          .contactsOfRow = contactsOfRow_.data(),
-          .forces = forces_.data(),
+          .patchOfSlot = layout_.patchOfSlot.data(),
+          .lawRows = lawRows_.data(),
+          .indexOfCandidate = blocks_.index().data(),
           .memoryOfCandidate = memoryOfCandidate_.data(),
           .memory = memory_.data(),
           .displacements = y.data() + stateSize(),
           .displacementRates = rate.data() + (stateSize() - lackingOf(rate, y)),
-          .contactMemory = contactMemory_.data(),
-          .at = at,
-          .placeOfPatch = layout_.placeOfPatch.data(),
-          .slotOfPatch = layout_.slotOfPatch.data(),
-          .incidenceStart = incidence_.starts().data(),
-          .incidenceEntries = incidence_.entries().data()};
+          .at = at};
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
@@ -145,7 +161,7 @@ double Evaluation::placeMoving(std::int32_t place, double t, const std::vector<d
       row.angularVelocity = layout_.isotropicInverseInertia[place] * own.angularMomentum();
       ParticleRow& particle = particles_[layout_.slotOfPlace[place]];
       particle.x = own.pose[0], particle.y = own.pose[1], particle.z = own.pose[2];
-      if (!layout_.movesOnlySpheres) balls_[place] = particle;
+      balls_[place] = particle;
     } else {
       const Quaternion orientation = own.orientation().normalized();
       placeOwner(o, own.position(), orientation);
@@ -162,9 +178,21 @@ void Evaluation::placeParticles(double t, const std::vector<double>& y) {
   pieceMaximum_.assign(pieces, 0.0);
   pieceMaximum2_.assign(pieces, 0.0);
   const bool compare = listIsCurrent_;
+  const PlaceArrays spheres{.poses = y.data(),
+                            .momenta = y.data() + layout_.firstMomentum(),
+                            .inverseInertia = layout_.isotropicInverseInertia.data(),
+                            .particles = particles_.data(),
+                            .owners = owners_.data(),
+                            .listed = compare ? listedParticles_.data() : nullptr};
   executor_.forPieces(pieces, [&](std::int32_t piece) {
-    double beyond = 0.0, speed = 0.0;
     const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
+    if (layout_.movesOnlySpheres) {
+      const PlacedExtremes extremes = kernels_->placeSpheres(spheres, begin, end);
+      pieceMaximum_[piece] = extremes.beyond;
+      pieceMaximum2_[piece] = extremes.speed;
+      return;
+    }
+    double beyond = 0.0, speed = 0.0;
     for (std::int32_t place = begin; place < end; ++place) speed = std::max(speed, placeMoving(place, t, y));
     if (compare) {
       const std::int32_t slots = layout_.slotOfPlace[end];
@@ -232,6 +260,14 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
                                       const std::vector<double>& y, bool poseRates,
                                       std::vector<double>& rate) {
   const std::size_t lacking = lackingOf(rate, y);
+  if (layout_.movingBodies() == 0 && !poseRates) {  // every patch is a grain
+    for (std::int32_t place = begin; place < end; ++place) {
+      heatOfOwner_[layout_.ownerOfPlace[place]] = wrench[place - begin].dissipation;
+    }
+    kernels_->accelerateGrains(owners_.data(), wrench, surroundings_.gravity, begin, end,
+                               rate.data() + (layout_.firstMomentum() - lacking));
+    return;
+  }
   for (std::int32_t place = begin; place < end; ++place) {
     const std::int32_t o = layout_.ownerOfPlace[place];
     PatchWrench contact;
@@ -248,23 +284,35 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
   }
 }
 
-/// By pieces of places: what all contacts do to a grain or moving body, and how that changes its motion.
-void Evaluation::moveOwners(const ContactArrays& arrays, const std::vector<double>& y,
-                            std::vector<double>& rate) {
-  const std::int32_t moving = layout_.movingCount();
-  forTimedPieces(Executor::pieceCount(moving, kOwnersPerPiece), [&](std::int32_t piece, PieceClock& clock) {
-    const std::int32_t begin = piece * kOwnersPerPiece, end = std::min(moving, begin + kOwnersPerPiece);
-    const std::int32_t patches = layout_.patchOfPlace[begin], patchesEnd = layout_.patchOfPlace[end];
-    thread_local std::vector<PatchWrench> wrenches;
-    if (std::ssize(wrenches) < patchesEnd - patches) wrenches.resize(patchesEnd - patches);
-    kernels_->sumWrenches(arrays, patches, patchesEnd, wrenches.data());
-    clock.done(Stage::SumWrenches);
-    computeAccelerations(begin, end, wrenches.data(), y, arrays.at.poseRates, rate);
+/// Block by block: contacts, what they do to the owners of the block, and how that changes their motion. What
+/// one stage leaves is near when the next one wants it.
+void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<double>& y,
+                              std::vector<double>& rate) {
+  if (hasMemory_ && arrays.at.poseRates)
+    std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
+  contactsAreKept_ = keepsContacts_ || hasMemory_;
+  if (contactsAreKept_) makeRoomForContacts();
+  extremesInBlock_.resize(blockCount());
+  forTimedPieces(blockCount(), [&](std::int32_t block, PieceClock& clock) {
+    const PatchWrench* wrenches = workOutContacts(block, arrays, clock);
+    computeAccelerations(firstPlaceOfBlock_[block], firstPlaceOfBlock_[block + 1], wrenches, y,
+                         arrays.at.poseRates, rate);
     clock.done(Stage::ComputeAccelerations);
   });
+  sumUpExtremes();
   double heat = 0.0;
-  for (std::int32_t o = 0; o < moving; ++o) heat += heatOfOwner_[o];
+  for (std::int32_t o = 0; o < layout_.movingCount(); ++o) heat += heatOfOwner_[o];
   rate[heatAt() - lackingOf(rate, y)] = heat;
+}
+
+void Evaluation::listContacts() {
+  if (contactsAreKept_) return;
+  contactsAreKept_ = true;
+  makeRoomForContacts();
+  std::vector<double> none(stateSize() + 1);
+  const ContactArrays arrays = arraysAt({}, none, none);
+  forTimedPieces(blockCount(),
+                 [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
 }
 
 }  // namespace granular::detail

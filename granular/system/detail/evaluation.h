@@ -15,6 +15,7 @@
 #include "granular/contact/pair_law.h"
 #include "granular/dynamics/equations.h"
 #include "granular/dynamics/integrator.h"
+#include "granular/search/candidate_blocks.h"
 #include "granular/search/candidate_list.h"
 #include "granular/system/detail/contact_kernels.h"
 #include "granular/system/detail/contact_rows.h"
@@ -43,10 +44,16 @@ struct EvaluationSummary {
   double largestSpeed = 0.0;    ///< of any point of any moving owner, at most, m/s
 };
 
-/// Where a particle was when the list was made, and how far it may go until the list is old.
-struct alignas(32) ListedRow {
-  double x, y, z;        ///< m, world
-  double marginSquared;  ///< m^2
+/// What a thread found in the block that it works on.
+struct BlockContacts {
+  std::int32_t count = 0;
+  std::vector<Contact> contacts;
+  std::vector<ContactForce> forces;
+  std::vector<SettledMemory> memory;  // where some remember
+  // Of the chunk at hand.
+  std::vector<MeetingRow> meetings;
+  std::vector<TorqueRow> torques;
+  std::vector<PatchWrench> sums;  // by patch, and one more
 };
 
 class Evaluation {
@@ -57,6 +64,7 @@ class Evaluation {
   /// What forces are worked out in from the next evaluation on.
   void usePrecision(ContactPrecision precision) {
     forceKernels_ = precision == ContactPrecision::Mixed ? kernels_->mixedForces : kernels_->forces;
+    lawRowsAreCurrent_ = false;
   }
 
   /// Takes a new layout. Everything kept is thrown away.
@@ -126,11 +134,18 @@ class Evaluation {
   /// Who touches whom, and what of it is remembered at the accepted state y. Returns whether anything is.
   bool describe(const Contact& contact, const std::vector<double>& y, RememberedContact& description) const;
 
+  /// Whether the evaluations that follow keep their contacts; where some remember they always do.
+  void keepContacts(bool keep) { keepsContacts_ = keep; }
+  /// Contacts of the last evaluation are there: works them out once more where they were not kept. For all
+  /// that reads contacts.
+  void listContacts();
+
   // What the last evaluation found.
   const EvaluationSummary& summary() const { return summary_; }
   std::int64_t candidateCount() const { return list_.size(); }
   double relativeOverlap(const Contact& contact, double overlap) const;  ///< in smaller radii of the pair
   double elasticEnergy(const Contact& contact, const ContactForce& force) const;  ///< of the normal spring, J
+  Vector3 pointOf(const Contact& contact, const ContactForce& force) const;  ///< where it acts, m, world
   /// body(contact, its force) for every contact, by rank of particle 1, then of particle 2.
   template <class Body>
   void forEachContact(Body&& body) const {
@@ -148,12 +163,15 @@ class Evaluation {
  private:
   void placeParticles(double t, const std::vector<double>& y);
   void updateCandidates();
-  void workOutContacts(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
-  void findContacts(std::int32_t piece, const ContactArrays& arrays);
-  const MeetingRow* gatherMeetings(std::int32_t piece, const ContactArrays& arrays);
-  void computeContactForces(std::int32_t piece, const ContactArrays& arrays);
+  void workOnBlocks(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
+  const PatchWrench* workOutContacts(std::int32_t block, const ContactArrays& arrays, PieceClock& clock);
+  void findContacts(std::int32_t block, const ContactArrays& arrays, BlockContacts& found);
+  void findSurfaceContact(std::int32_t candidate, BlockContacts& found);
+  void computeContactForces(std::int32_t block, const ContactChunk& chunk, const ContactArrays& arrays,
+                            Extremes& extremes);
+  void makeRoomForContacts();
+  void keepContactsOf(std::int32_t block, const BlockContacts& found);
   void sumUpExtremes();
-  void moveOwners(const ContactArrays& arrays, const std::vector<double>& y, std::vector<double>& rate);
   void computeAccelerations(std::int32_t begin, std::int32_t end, const PatchWrench* wrench,
                             const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
   /// Runs body(piece, clock) for every piece; what the clocks say is shared out to the stages.
@@ -161,6 +179,7 @@ class Evaluation {
   void forTimedPieces(std::int32_t pieces, Body&& body);
 
   void layRows();
+  void layBlocks();
   void placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation);
   double placeMoving(std::int32_t place, double t, const std::vector<double>& y);
   void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
@@ -169,6 +188,7 @@ class Evaluation {
   void adaptMargin();
   void rebuildCandidates();
   ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
+  std::int32_t blockCount() const { return static_cast<std::int32_t>(firstPlaceOfBlock_.size()) - 1; }
   void makePairLaws();
   /// Where an owner's row is.
   const Matrix3& rotationOf(std::int32_t body) const { return rotations_[body - layout_.dynamicGrains]; }
@@ -195,14 +215,14 @@ class Evaluation {
   void rememberEntry(std::int32_t m);
   bool remembers(const Contact& contact) const;
   bool isRemembered(std::int32_t n) const;
-  ContactRange contactsOfPiece(std::int32_t piece) const;
-  void settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate);
+  ContactRange contactsOfBlock(std::int32_t block) const;
+  void settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate);
 
-  /// Whether contact n, -1 for none, is one: findContacts may also offer pairs that turn out to be apart.
-  bool touches(std::int32_t n) const { return n >= 0 && forces_[n].overlap > 0.0; }
+  /// Whether contact n is one: findContacts may also offer pairs that turn out to be apart.
+  bool touches(std::int32_t n) const { return forces_[n].overlap > 0.0; }
 
   template <class Normal, class Shear>
-  void forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& extremes);
+  void forceOf(std::int32_t n, const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
   template <class Normal>
   NormalConstants normalConstants(const Contact& contact, NormalRequest& request) const;
   /// What decides the constants of a contact beside sizes and masses.
@@ -213,7 +233,9 @@ class Evaluation {
   };
   PairRule ruleOf(const Contact& contact) const;
   PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies) const;
-  std::int32_t findSurfaceContacts(std::int32_t i, std::int32_t n);
+  template <class Body>
+  void forRuns(std::int32_t block, const ContactChunk& chunk, Body&& body);
+  void updateLawRows();
   void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, Extremes& extremes);
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
   RememberedContact endsOf(std::int32_t rank1, std::int32_t rank2) const;
@@ -238,7 +260,9 @@ class Evaluation {
   std::vector<double> margins_, surfaceMargins_;  // as in SearchInput
   double listedExtent_ = 0.0;                     // of all dynamic particles when the list was made, m
   CandidateList list_;
-  CandidateIncidence incidence_;
+  CandidateBlocks blocks_;
+  // Blocks are of owners in consecutive places; one entry more than blocks. Slots: of dynamic owners.
+  std::vector<std::int32_t> firstPlaceOfBlock_, firstSlotOfBlock_, blockOfPatch_;
   bool listIsCurrent_ = false;
   std::int64_t rebuildsSinceSort_ = 0;
   std::int64_t evaluationsAtRebuild_ = 0;
@@ -246,27 +270,31 @@ class Evaluation {
   double margin_ = 0.15;  // mean of margins_, in smallest radii; it adapts
 
   std::vector<PairLaw> pairLaws_;  // of any two kinds; none where there are many: made where one is asked for
+  std::vector<double> lawRows_;    // by candidate of blocks_, as ContactArrays::lawRows
+  bool lawRowsAreCurrent_ = false;
   bool isUniform_ = false;         // all grains, all of one material: one rule
   bool hasMemory_ = false;         // some pair remembers: otherwise nothing is stored for it
 
-  std::vector<Contact> contacts_;  // rows of a piece lie together; pieces start where their candidates do
+  // Contacts that are kept: those of a block's own rows lie together, from its first candidate in the list on.
+  bool keepsContacts_ = false;
+  bool contactsAreKept_ = false;  // of the last evaluation
+  std::vector<Contact> contacts_;
   std::vector<ContactForce> forces_;
-  std::vector<std::int32_t> contactOfCandidate_;  // -1: apart
-  std::vector<ContactRange> contactsOfRow_;       // by slot of particle 1
-  std::vector<std::int32_t> contactsInPiece_;
-  std::vector<Extremes> extremesInPiece_;
+  std::vector<SettledMemory> contactMemory_;
+  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1
+  std::vector<std::int32_t> keptInBlock_;
+  std::vector<Extremes> extremesInBlock_;
   std::vector<StageSeconds> secondsInPiece_;
 
   std::vector<MemoryEntry> memory_;           // as contacts lie; entry m is at stateSize() + 3 m of y
   std::vector<MemoryEntry> memoryBefore_;     // of the sub-step before
   std::vector<std::uint8_t> livesOn_;         // of those
-  std::vector<std::int32_t> entriesInPiece_;  // of memory_, before each piece of rows
+  std::vector<std::int32_t> entriesInBlock_;  // of memory_, before each block
   struct Settled {
     double heat = 0.0, heating = 0.0;  // J, W: as ContactMemory's loss and heating
   };
   std::vector<Settled> settledOfRank_;           // summed by rank, in which no re-sorting changes anything
   std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
-  std::vector<SettledMemory> contactMemory_;     // by contact
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there
   std::vector<double> dampingOfOwner_;  // 1/s: as shearRate()
@@ -299,9 +327,8 @@ void Evaluation::forTimedPieces(std::int32_t pieces, Body&& body) {
 template <class Body>
 void Evaluation::forContactsOf(std::int32_t begin, std::int32_t end, Body&& body) const {
   for (std::int32_t rank = begin; rank < end; ++rank) {
-    const std::int32_t slot = layout_.slotOfRank[rank];
-    for (std::int32_t c = list_.rowStart()[slot]; c < list_.rowStart()[slot + 1]; ++c) {
-      const std::int32_t n = contactOfCandidate_[c];
+    const ContactRange range = contactsOfRow_[layout_.slotOfRank[rank]];
+    for (std::int32_t n = range.first; n < range.last; ++n) {
       if (touches(n)) body(contacts_[n], forces_[n]);
     }
   }

@@ -127,6 +127,7 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
     std::copy_n(before.begin() + slotBefore[from[place]], end - slot, particles_.begin() + slot);
   }
   list_.reset();
+  layBlocks();
   return from;
 }
 
@@ -145,12 +146,15 @@ void Evaluation::rebuildCandidates() {
                           .margin = margins_,
                           .surfaceMargin = surfaceMargins_};
   list_.rebuild(input, executor_);
-  incidence_.rebuild(list_, input, layout_.patchOfSlot, layout_.patchCount, executor_);
+  blocks_.rebuild(list_,
+                  {.rank = layout_.rankOfSlot,
+                   .patchOfSlot = layout_.patchOfSlot,
+                   .blockOfPatch = blockOfPatch_,
+                   .firstSlot = firstSlotOfBlock_,
+                   .wantsIndices = hasMemory_},
+                  executor_);
+  lawRowsAreCurrent_ = false;
   rememberList();
-  resizeAnew(contacts_, list_.size());
-  resizeAnew(contactsOfRow_, layout_.dynamicParticles);
-  resizeAnew(forces_, list_.size());
-  resizeAnew(contactOfCandidate_, list_.size());
 }
 
 /// What the list was made for, and which of its candidates have a memory.
@@ -174,7 +178,6 @@ void Evaluation::rememberList() {
   if (!hasMemory_) return;
   resizeAnew(memoryOfCandidate_, list_.size());
   std::fill(memoryOfCandidate_.begin(), memoryOfCandidate_.end(), -1);
-  resizeAnew(contactMemory_, list_.size());
   executor_.forRanges(std::ssize(memory_), kPerPiece, [&](std::int64_t begin, std::int64_t end) {
     for (auto m = static_cast<std::int32_t>(begin); m < end; ++m) rememberEntry(m);
   });

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <variant>
 
+#include "granular/base/room.h"
 #include "granular/contact/law_list.h"
 #include "granular/contact/pressed_patch.h"
 #include "granular/contact/shear_constants.h"
@@ -17,46 +18,42 @@ namespace {
 /// Line of centres for two particles in one place: any direction does, as long as it is always the same.
 const Vector3 kAnyDirection = Vector3::UnitY();
 
-constexpr std::int32_t kContactsPerRun = 256;  // handed to a kernel at a time, at most
+constexpr std::int32_t kContactsPerChunk = 256;
 constexpr std::size_t kOpenRuns = 8;
 
 }  // namespace
 
-/// Candidates of a piece of rows that overlap.
-void Evaluation::findContacts(std::int32_t piece, const ContactArrays& arrays) {
-  const std::int32_t begin = piece * kRowsPerPiece;
-  const std::int32_t end = std::min(layout_.dynamicParticles, begin + kRowsPerPiece);
-  std::int32_t n = list_.rowStart()[begin];
-  for (std::int32_t row = begin; row < end;) {
-    row = kernels_->findContacts(arrays, row, end, n);
-    n = findSurfaceContacts(row - 1, n);
+/// Candidates of a block that overlap.
+void Evaluation::findContacts(std::int32_t block, const ContactArrays& arrays, BlockContacts& found) {
+  const std::int32_t begin = blocks_.starts()[block], end = blocks_.starts()[block + 1];
+  const auto most = static_cast<std::size_t>(end - begin) + 1;
+  if (found.contacts.size() < most) {
+    found.contacts.resize(most);
+    found.forces.resize(most);
   }
-  contactsInPiece_[piece] = n - list_.rowStart()[begin];
+  if (hasMemory_ && found.memory.size() < most) found.memory.resize(most);
+  const CandidateSpan candidates{.row = blocks_.row().data(), .partner = blocks_.partner().data()};
+  found.count = 0;
+  for (std::int32_t c = begin; c < end;) {
+    c = kernels_->findContacts(arrays, candidates, c, end, found.contacts.data(), found.count);
+    for (; c < end && blocks_.partner()[c] >= layout_.particleCount; ++c) {
+      findSurfaceContact(c, found);
+    }
+  }
 }
 
-/// Contacts of slot i on exact surfaces, numbered from n on: where they meet is left in the rows of their
-/// forces. Returns the number behind them.
-std::int32_t Evaluation::findSurfaceContacts(std::int32_t i, std::int32_t n) {
-  const std::int32_t* partner = list_.partner().data();
-  const std::int32_t end = list_.rowStart()[i + 1];
-  std::int32_t c = end;  // they come last in a row
-  while (c > list_.rowStart()[i] && partner[c - 1] >= layout_.particleCount) --c;
-  for (; c < end; ++c) {
-    const ParticleRow& a = particles_[i];
-    const double reach = a.radius + layout_.overhangOf(layout_.ownerOfSlot[i]);
-    const SurfaceRow& surface = surfaces_[partner[c] - layout_.particleCount];
-    const Vector3 center(a.x, a.y, a.z);
-    const SurfaceDistance near = surface.distance(center);
-    const bool touches = near.distance < reach;
-    contactOfCandidate_[c] = touches ? n : -1;
-    if (!touches) continue;
-    // Times the slope: the force is that of an energy, also where the distance is interpolated.
-    forces_[n] = surfaceMeeting(-near.normal, near.slope, center - near.distance * near.normal,
-                                a.radius - near.distance);
-    contacts_[n++] = {i, partner[c], c};
-  }
-  contactsOfRow_[i].last = n;
-  return n;
+/// Of a candidate on an exact surface: where they meet, if they do, is left in the row of its force.
+void Evaluation::findSurfaceContact(std::int32_t candidate, BlockContacts& found) {
+  const std::int32_t i = blocks_.row()[candidate], slot = blocks_.partner()[candidate];
+  const ParticleRow& a = particles_[i];
+  const double reach = a.radius + layout_.overhangOf(layout_.ownerOfSlot[i]);
+  const Vector3 center(a.x, a.y, a.z);
+  const SurfaceDistance near = surfaces_[slot - layout_.particleCount].distance(center);
+  if (!(near.distance < reach)) return;
+  // Times the slope: the force is that of an energy, also where the distance is interpolated.
+  reinterpret_cast<SurfaceMeeting&>(found.forces[found.count]) = {
+      -near.normal, near.slope, center - near.distance * near.normal, a.radius - near.distance};
+  found.contacts[found.count++] = {i, slot, candidate};
 }
 
 /// What bodies press with. Of a particle against an exact surface: its pieces, where they are below it. Of
@@ -160,6 +157,26 @@ bool Evaluation::contactGeometry(const Contact& contact, ContactGeometry& g) con
   return true;
 }
 
+Vector3 Evaluation::pointOf(const Contact& contact, const ContactForce& force) const {
+  const PairRule rule = ruleOf(contact);
+  const ParticleRow& a = particles_[contact.slot1];
+  const Vector3 x1(a.x, a.y, a.z);
+  ContactGeometry g;
+  if (withNormalLaw(rule.pair->normalOf(rule.ofBodies).law, []<class Law>(Law) { return Law::kByArea; })) {
+    contactGeometry(contact, g);
+    return g.point;
+  }
+  if (contact.slot2 >= layout_.particleCount) {
+    const SurfaceDistance near = surfaces_[contact.slot2 - layout_.particleCount].distance(x1);
+    return x1 - near.distance * near.normal;
+  }
+  const ParticleRow& b = particles_[contact.slot2];
+  const Vector3 way = Vector3(b.x, b.y, b.z) - x1;
+  const double distance = way.norm();
+  return x1 + (a.radius - 0.5 * force.overlap) *
+                  (distance > 0.0 ? Vector3(way / distance) : kAnyDirection);
+}
+
 /// The constants of the normal law for one contact.
 template <class Normal>
 NormalConstants Evaluation::normalConstants(const Contact& contact, NormalRequest& request) const {
@@ -179,12 +196,16 @@ NormalConstants Evaluation::normalConstants(const Contact& contact, NormalReques
 
 /// The force of one contact under a law by area.
 template <class Normal, class Shear>
-void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& extremes) {
-  const Contact& contact = contacts_[n];
+void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const ContactRun& run,
+                         Extremes& extremes) {
+  const Contact& contact = run.chunk.contacts[n];
+  ContactForce& force = run.chunk.forces[n];
+  TorqueRow& torque = run.chunk.torques[n];
   ContactGeometry g;
   if (!contactGeometry(contact, g)) {
-    forces_[n] = {Vector3::Zero(), 0.0, g.point, 0.0};
-    if constexpr (Shear::kHasMemory) contactMemory_[n] = {};
+    force = {Vector3::Zero(), 0.0, Vector3::Zero(), 0.0};
+    torque = {Vector3::Zero(), 0.0};
+    if constexpr (Shear::kHasMemory) run.chunk.memory[n] = {};
     return;
   }
   const PairLaw law = pairLaw(contact);
@@ -193,7 +214,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& 
   ContactMemory memory;
   std::int32_t entry = -1;
   if constexpr (Shear::kHasMemory) {
-    entry = memoryOfCandidate_[contact.candidate];
+    entry = memoryOfCandidate_[blocks_.index()[contact.candidate]];
     if (entry >= 0) {
       D = Eigen::Map<const Vector3>(arrays.displacements + 3 * entry);
       g.slides = memory_[entry].slides;
@@ -207,20 +228,24 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, Extremes& 
   }
   const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, &memory);
   if constexpr (Shear::kHasMemory) {
-    contactMemory_[n] = {.displacement = memory.displacement,
+    run.chunk.memory[n] = {.displacement = memory.displacement,
                          .stiffness = memory.stiffness,
                          .nextRate = memory.nextRate,
                          .loss = memory.loss,
                          .heating = memory.heating,
                          .slides = memory.slides,
                          .touches = true};
-    if (entry >= 0 && arrays.at.poseRates) {
+    if (entry >= 0 && arrays.at.poseRates && run.isOwn) {
       Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
     }
   }
-  forces_[n] = {result.force, result.dissipation, g.point, g.xi};
-  ++extremes.contacts;
-  extremes.pushing += result.normalForce != 0.0;
+  const auto torqueAbout = [&](std::int32_t slot) {
+    return (g.point - center(layout_.ownerOfSlot[slot])).cross(result.force);
+  };
+  force = {result.force, result.dissipation, torqueAbout(contact.slot2), g.xi};
+  torque = {torqueAbout(contact.slot1), 0.0};
+  extremes.contacts += run.isOwn;
+  extremes.pushing += run.isOwn && result.normalForce != 0.0;
   extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
@@ -236,54 +261,71 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   withNormalLaw(normal, [&]<class Normal>(Normal) {
     if constexpr (Normal::kByArea) {
       withShearLaw(shear, [&]<class Shear>(Shear) {
-        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays, extremes);
+        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays, run, extremes);
       });
     }
   });
 }
 
-/// What the laws want to know of the contacts of a piece of rows, side by side; the thread's own until its
-/// next piece.
-const MeetingRow* Evaluation::gatherMeetings(std::int32_t piece, const ContactArrays& arrays) {
-  thread_local std::vector<MeetingRow> meetings;
-  const std::size_t most = MeetingRow::kMost * static_cast<std::size_t>(contactsInPiece_[piece]);
-  if (meetings.size() < most) meetings.resize(most);
-  const std::int32_t begin = piece * kRowsPerPiece;
-  forceKernels_->gather(arrays, begin, std::min(layout_.dynamicParticles, begin + kRowsPerPiece),
-                        meetings.data());
-  return meetings.data();
-}
-
-/// Forces of the contacts of a piece of rows, in runs under one rule; on surfaces in runs of their own.
-/// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
-/// in vain.
-void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& arrays) {
+/// body(run) for all contacts of a chunk, in runs under one rule; on surfaces and of other blocks' rows in runs
+/// of their own. Several runs are open at a time, as contacts under different rules lie mixed and a kernel
+/// works on many or in vain.
+template <class Body>
+void Evaluation::forRuns(std::int32_t block, const ContactChunk& chunk, Body&& body) {
   struct Run {
     PairRule rule{};
-    bool onSurfaces = false;
+    bool onSurfaces = false, isOwn = true;
     std::int32_t count = 0;
-    std::array<std::int32_t, kContactsPerRun> which;
+    std::array<std::int32_t, kContactsPerChunk + 1> which;  // one more, to be written over
   };
-  static_assert(kContactsPerRun % kContactsPerPack == 0);
-  const MeetingRow* meetings = gatherMeetings(piece, arrays);
-  const ContactRange range = contactsOfPiece(piece);
-  Extremes& extremes = extremesInPiece_[piece];
-  extremes = {};
+  static_assert(kContactsPerChunk % kContactsPerPack == 0);
+  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
+  const auto isOwn = [&](const Contact& contact) {
+    return (contact.slot1 >= firstSlot) & (contact.slot1 < endSlot);
+  };
   std::array<Run, kOpenRuns> runs;
   const auto finish = [&](Run& run) {
+    if (run.count == 0) return;
     for (std::int32_t k = run.count; k % kContactsPerPack != 0; ++k) run.which[k] = run.which[run.count - 1];
-    forcesOfRun({.pair = run.rule.pair,
-                 .ofBodies = run.rule.ofBodies,
-                 .onSurfaces = run.onSurfaces,
-                 .which = std::span(run.which).first(run.count),
-                 .meetings = meetings,
-                 .firstMeeting = range.first},
-                arrays, extremes);
+    body(ContactRun{.pair = run.rule.pair,
+                    .ofBodies = run.rule.ofBodies,
+                    .onSurfaces = run.onSurfaces,
+                    .isOwn = run.isOwn,
+                    .which = std::span(run.which).first(run.count),
+                    .chunk = chunk});
     run.count = 0;
   };
+  if (isUniform_) {
+    const PairRule rule = ruleOf(chunk.contacts[0]);
+    for (int r = 0; r < 4; ++r) {
+      runs[r].rule = rule;
+      runs[r].onSurfaces = r >= 2;
+      runs[r].isOwn = r % 2 == 0;
+    }
+    std::int32_t *own = runs[0].which.data(), *foreign = runs[1].which.data();
+    const std::int32_t particleCount = layout_.particleCount;
+    for (std::int32_t n = 0; n < chunk.count; ++n) {
+      const Contact& contact = chunk.contacts[n];
+      if (contact.slot2 >= particleCount) [[unlikely]] {
+        Run& run = runs[isOwn(contact) ? 2 : 3];
+        run.which[run.count++] = n;
+        continue;
+      }
+      *own = *foreign = n;  // written to both, counted for one
+      const bool isOwnContact = isOwn(contact);
+      own += isOwnContact;
+      foreign += !isOwnContact;
+    }
+    runs[0].count = static_cast<std::int32_t>(own - runs[0].which.data());
+    runs[1].count = static_cast<std::int32_t>(foreign - runs[1].which.data());
+    for (int r = 0; r < 4; ++r) finish(runs[r]);
+    return;
+  }
   std::size_t open = 0, current = 0, oldest = 0;
-  const auto runFor = [&](const PairRule& rule, bool onSurfaces) -> Run& {
-    const auto fits = [&](const Run& run) { return run.onSurfaces == onSurfaces && run.rule == rule; };
+  const auto runFor = [&](const PairRule& rule, bool onSurfaces, bool own) -> Run& {
+    const auto fits = [&](const Run& run) {
+      return run.onSurfaces == onSurfaces && run.isOwn == own && run.rule == rule;
+    };
     if (open > 0 && fits(runs[current])) return runs[current];
     current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
     if (current < open) return runs[current];
@@ -295,61 +337,124 @@ void Evaluation::computeContactForces(std::int32_t piece, const ContactArrays& a
     }
     runs[current].rule = rule;
     runs[current].onSurfaces = onSurfaces;
+    runs[current].isOwn = own;
     return runs[current];
   };
-  if (isUniform_ && range.first < range.last) {
-    const PairRule rule = ruleOf(contacts_[range.first]);
-    Run &round = runFor(rule, false), &onSurfaces = runFor(rule, true);
-    for (std::int32_t n = range.first; n < range.last;) {
-      const std::int32_t begin = n, end = std::min(range.last, n + kContactsPerRun);
-      std::int32_t count = 0;
-      for (; n < end; ++n) {  // written to both, counted for one
-        const bool isRound = contacts_[n].slot2 < layout_.particleCount;
-        round.which[count] = onSurfaces.which[n - begin - count] = n;
-        count += isRound;
-      }
-      round.count = count;
-      onSurfaces.count = end - begin - count;
-      finish(round);
-      finish(onSurfaces);
-    }
-    return;
-  }
-  for (std::int32_t n = range.first; n < range.last; ++n) {
-    Run& run = runFor(ruleOf(contacts_[n]), contacts_[n].slot2 >= layout_.particleCount);
+  for (std::int32_t n = 0; n < chunk.count; ++n) {
+    const Contact& contact = chunk.contacts[n];
+    Run& run = runFor(ruleOf(contact), contact.slot2 >= layout_.particleCount, isOwn(contact));
     run.which[run.count++] = n;
-    if (run.count == kContactsPerRun) finish(run);
   }
   for (std::size_t k = 0; k < open; ++k) finish(runs[k]);
+}
+
+void Evaluation::computeContactForces(std::int32_t block, const ContactChunk& chunk,
+                                      const ContactArrays& arrays, Extremes& extremes) {
+  forceKernels_->gather(arrays, chunk);
+  forRuns(block, chunk, [&](const ContactRun& run) { forcesOfRun(run, arrays, extremes); });
+}
+
+/// What the laws take from the sizes and masses of all candidates: a list lasts longer than it takes to work
+/// that out at every contact.
+void Evaluation::updateLawRows() {
+  if (lawRowsAreCurrent_) return;
+  lawRowsAreCurrent_ = true;
+  resizeAnew(lawRows_, blocks_.row().size() * forceKernels_->lawRowSize / sizeof(double));
+  ContactArrays arrays;
+  arrays.particleCount = layout_.particleCount;
+  arrays.particles = particles_.data();
+  arrays.owners = owners_.data();
+  arrays.placeOfSlot = layout_.placeOfSlot.data();
+  arrays.surfaceInverseRadius = surfaceInverseRadius_.data();
+  arrays.lawRows = lawRows_.data();
+  executor_.forPieces(blockCount(), [&](std::int32_t block) {
+    std::array<Contact, kContactsPerChunk> candidates;
+    const std::int32_t end = blocks_.starts()[block + 1];
+    for (std::int32_t c = blocks_.starts()[block]; c < end;) {
+      ContactChunk chunk{.contacts = candidates.data()};
+      for (; c < end && chunk.count < kContactsPerChunk; ++c) {
+        candidates[chunk.count++] = {blocks_.row()[c], blocks_.partner()[c], c};
+      }
+      forRuns(block, chunk, [&](const ContactRun& run) {
+        const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
+        const ShearLaw shear = run.pair->def.shear.law;
+        const auto kernel = forceKernels_->laws[static_cast<int>(normal)][static_cast<int>(shear)];
+        if (kernel) kernel(arrays, run);
+      });
+    }
+  });
+}
+
+/// The contacts of a block, and what they do to its patches, one after the other; the thread's own until its
+/// next block.
+const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const ContactArrays& arrays,
+                                               PieceClock& clock) {
+  thread_local BlockContacts found;
+  findContacts(block, arrays, found);  // candidates -> pairs with overlap > 0                      eq. 1
+  clock.done(Stage::FindContacts);
+  const std::int32_t firstPatch = layout_.patchOfPlace[firstPlaceOfBlock_[block]];
+  const std::int32_t patches = layout_.patchOfPlace[firstPlaceOfBlock_[block + 1]] - firstPatch;
+  found.sums.assign(patches + 1, PatchWrench{});
+  found.meetings.resize(MeetingRow::kMost * kContactsPerChunk);
+  found.torques.resize(kContactsPerChunk);
+  Extremes extremes;
+  for (std::int32_t first = 0; first < found.count; first += kContactsPerChunk) {
+    const ContactChunk chunk{.count = std::min(kContactsPerChunk, found.count - first),
+                             .contacts = found.contacts.data() + first,
+                             .meetings = found.meetings.data(),
+                             .forces = found.forces.data() + first,
+                             .torques = found.torques.data(),
+                             .memory = hasMemory_ ? found.memory.data() + first : nullptr};
+    computeContactForces(block, chunk, arrays, extremes);  // the laws                     eqs. 2-19
+    clock.done(Stage::ComputeContactForces);
+    kernels_->addWrenches(arrays, chunk, firstPatch, patches, found.sums.data());
+    clock.done(Stage::SumWrenches);
+  }
+  extremesInBlock_[block] = extremes;
+  if (contactsAreKept_) keepContactsOf(block, found);
+  return found.sums.data();
+}
+
+void Evaluation::makeRoomForContacts() {
+  const auto most = static_cast<std::size_t>(list_.size());
+  if (contacts_.size() != most) {
+    resizeAnew(contacts_, most);
+    resizeAnew(forces_, most);
+  }
+  if (hasMemory_ && contactMemory_.size() != most) resizeAnew(contactMemory_, most);
+  contactsOfRow_.resize(layout_.dynamicParticles);
+  keptInBlock_.resize(blockCount());
+}
+
+/// Contacts of the block's own rows, for whoever reads them.
+void Evaluation::keepContactsOf(std::int32_t block, const BlockContacts& found) {
+  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
+  const std::int32_t first = list_.rowStart()[firstSlot];
+  std::fill(contactsOfRow_.begin() + firstSlot, contactsOfRow_.begin() + endSlot, ContactRange{first, first});
+  std::int32_t to = first;
+  for (std::int32_t n = 0; n < found.count; ++n) {
+    const Contact& contact = found.contacts[n];
+    if (contact.slot1 < firstSlot || contact.slot1 >= endSlot) continue;
+    ContactRange& range = contactsOfRow_[contact.slot1];
+    if (range.first == range.last) range.first = to;
+    contacts_[to] = contact;
+    if (hasMemory_) contacts_[to].candidate = blocks_.index()[contact.candidate];
+    forces_[to] = found.forces[n];
+    if (hasMemory_) contactMemory_[to] = found.memory[n];
+    range.last = ++to;
+  }
+  keptInBlock_[block] = to - first;
 }
 
 void Evaluation::sumUpExtremes() {
   summary_.urgency = summary_.largestOverlap = 0.0;
   summary_.contacts = summary_.pushing = 0;
-  for (const Extremes& extremes : extremesInPiece_) {
+  for (const Extremes& extremes : extremesInBlock_) {
     summary_.urgency = std::max(summary_.urgency, extremes.urgency);
     summary_.largestOverlap = std::max(summary_.largestOverlap, extremes.overlap);
     summary_.contacts += extremes.contacts;
     summary_.pushing += extremes.pushing;
   }
-}
-
-/// By pieces of rows, so that what one stage leaves is near when the next one wants it.
-void Evaluation::workOutContacts(const ContactArrays& arrays, const std::vector<double>& y,
-                                 std::vector<double>& rate) {
-  if (hasMemory_ && arrays.at.poseRates)
-    std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
-  const std::int32_t rows = layout_.dynamicParticles;
-  const std::int32_t pieces = Executor::pieceCount(rows, kRowsPerPiece);
-  contactsInPiece_.resize(pieces);
-  extremesInPiece_.resize(pieces);
-  forTimedPieces(pieces, [&](std::int32_t piece, PieceClock& clock) {
-    findContacts(piece, arrays);  // candidates -> pairs with overlap > 0                  eq. 1
-    clock.done(Stage::FindContacts);
-    computeContactForces(piece, arrays);  // the laws                                       eqs. 2-19
-    clock.done(Stage::ComputeContactForces);
-  });
-  sumUpExtremes();
 }
 
 double Evaluation::relativeOverlap(const Contact& contact, double overlap) const {

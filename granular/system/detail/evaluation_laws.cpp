@@ -86,6 +86,7 @@ double Evaluation::givenDamping(const Contact& contact) const {
 
 double Evaluation::shearRate() {
   if (!isDampingGiven_) return 0.0;
+  listContacts();
   dampingOfOwner_.assign(layout_.owners.size(), 0.0);
   forEachContact([&](const Contact& contact, const ContactForce& f) {
     const double damping = givenDamping(contact);
@@ -94,7 +95,7 @@ double Evaluation::shearRate() {
       const std::int32_t o = layout_.ownerOfSlot[slot];
       if (o >= layout_.dynamicCount()) continue;
       const Owner& owner = layout_.owners[o];
-      const double arm = (f.point - center(o)).squaredNorm();
+      const double arm = (pointOf(contact, f) - center(o)).squaredNorm();
       dampingOfOwner_[o] += damping * (owner.inverseMass + arm * owner.inverseInertia.maxCoeff());
     }
   });

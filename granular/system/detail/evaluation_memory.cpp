@@ -107,28 +107,28 @@ bool Evaluation::remembers(const Contact& contact) const {
   return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
 }
 
-/// Contacts of a piece of rows: [first, last).
-ContactRange Evaluation::contactsOfPiece(std::int32_t piece) const {
-  const std::int32_t first = list_.rowStart()[piece * kRowsPerPiece];
-  return {first, first + contactsInPiece_[piece]};
+/// Kept contacts of a block's own rows: [first, last).
+ContactRange Evaluation::contactsOfBlock(std::int32_t block) const {
+  const std::int32_t first = list_.rowStart()[firstSlotOfBlock_[block]];
+  return {first, first + keptInBlock_[block]};
 }
 
 void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate) {
   if (!hasMemory_) return;
-  const auto pieces = static_cast<std::int32_t>(contactsInPiece_.size());
-  entriesInPiece_.assign(pieces + 1, 0);
-  executor_.forPieces(pieces, [&](std::int32_t piece) {
+  const std::int32_t blocks = blockCount();
+  entriesInBlock_.assign(blocks + 1, 0);
+  executor_.forPieces(blocks, [&](std::int32_t block) {
     std::int32_t count = 0;
     if (isUniform_) {
-      count = extremesInPiece_[piece].contacts;
+      count = extremesInBlock_[block].contacts;
     } else {
-      const ContactRange range = contactsOfPiece(piece);
+      const ContactRange range = contactsOfBlock(block);
       for (std::int32_t n = range.first; n < range.last; ++n) count += isRemembered(n);
     }
-    entriesInPiece_[piece + 1] = count;
+    entriesInBlock_[block + 1] = count;
   });
-  for (std::int32_t piece = 0; piece < pieces; ++piece) entriesInPiece_[piece + 1] += entriesInPiece_[piece];
-  const std::int32_t entries = entriesInPiece_[pieces];
+  for (std::int32_t block = 0; block < blocks; ++block) entriesInBlock_[block + 1] += entriesInBlock_[block];
+  const std::int32_t entries = entriesInBlock_[blocks];
   memoryBefore_.swap(memory_);
   memory_.resize(entries);
   livesOn_.assign(memoryBefore_.size(), 0);
@@ -136,7 +136,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   const std::size_t lacking = lackingOf(rate, y);
   y.resize(stateSize() + 3 * entries);
   rate.resize(y.size() - lacking);
-  executor_.forPieces(pieces, [&](std::int32_t piece) { settlePiece(piece, y, rate); });
+  executor_.forPieces(blocks, [&](std::int32_t block) { settleBlock(block, y, rate); });
   for (std::size_t m = 0; m < memoryBefore_.size(); ++m) {
     if (!livesOn_[m]) settledOfRank_[memoryBefore_[m].rank1].heat += memoryBefore_[m].energy;
   }
@@ -149,22 +149,23 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   rate[heatAt() - lacking] += sum.heating;
 }
 
-/// The memory of contacts in one piece of rows, into its places of memory_, y and rate.
-void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::vector<double>& rate) {
-  const ContactRange range = contactsOfPiece(piece);
-  const std::int32_t endRow = std::min(layout_.dynamicParticles, (piece + 1) * kRowsPerPiece);
-  std::int32_t c = list_.rowStart()[piece * kRowsPerPiece];  // candidates before it are done
-  const auto forgetUntil = [&](std::int32_t end) {
-    for (; c < end; ++c) memoryOfCandidate_[c] = -1;
-  };
+/// The memory of a block's own contacts, into its places of memory_, y and rate.
+void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate) {
+  const ContactRange range = contactsOfBlock(block);
+  for (std::int32_t n = range.first; n < range.last; ++n) {
+    if (!isRemembered(n)) continue;
+    if (const std::int32_t before = memoryOfCandidate_[contacts_[n].candidate]; before >= 0) {
+      livesOn_[before] = 1;
+    }
+  }
+  std::fill(memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block]],
+            memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block + 1]], -1);
   const bool hasRates = lackingOf(rate, y) == 0;
-  std::int32_t m = entriesInPiece_[piece];
+  std::int32_t m = entriesInBlock_[block];
   for (std::int32_t n = range.first; n < range.last; ++n) {
     if (!isRemembered(n)) continue;
     const Contact& contact = contacts_[n];
-    forgetUntil(contact.candidate);
-    if (const std::int32_t before = memoryOfCandidate_[c]; before >= 0) livesOn_[before] = 1;
-    memoryOfCandidate_[c++] = m;
+    memoryOfCandidate_[contact.candidate] = m;
     const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
@@ -175,7 +176,6 @@ void Evaluation::settlePiece(std::int32_t piece, std::vector<double>& y, std::ve
     if (hasRates) Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
     ++m;
   }
-  forgetUntil(list_.rowStart()[endRow]);
 }
 
 double Evaluation::memoryEnergy() const {

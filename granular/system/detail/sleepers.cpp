@@ -109,7 +109,7 @@ void Sleepers::takeAwake(const Evaluation& evaluation) {
     if (!sleeper->isTouched) touched_.push_back({owner.kind, owner.index});
     sleeper->isTouched = true;
     sleeper->awakeForce -= f.force;
-    sleeper->awakeTorque -= (f.point - evaluation.center(o)).cross(f.force);
+    sleeper->awakeTorque -= f.torque;
     sleeper->awakeCarried += f.force.norm();
     awakeNet_ -= owner.body->linearFactor.cwiseProduct(f.force);
   });

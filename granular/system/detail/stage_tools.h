@@ -11,10 +11,6 @@
 
 namespace granular::detail {
 
-/// Rows of the candidate list handed to a thread at a time. Fixed, so that pieces are the same for any number
-/// of threads; so few that their contacts stay in the nearest cache from stage to stage.
-inline constexpr std::int32_t kRowsPerPiece = 128;
-
 /// Adds its own lifetime to a stage's wall time, s.
 class StageTimer {
  public:

@@ -106,7 +106,7 @@ void GranularSystem::Impl::freeze(const std::vector<char>& quiet) {
     FrozenContact still;
     still.remembers = evaluation.describe(contact, y, still.memory);
     still.force = f.force;
-    still.point = f.point;
+    still.point = evaluation.pointOf(contact, f);
     still.overlap = f.overlap;
     still.relativeOverlap = evaluation.relativeOverlap(contact, f.overlap);
     still.normalEnergy = evaluation.elasticEnergy(contact, f);

@@ -75,6 +75,7 @@ void GranularSystem::Impl::notePlaced(std::int32_t body) {
 /// Between two sub-steps, the present state just evaluated. Whether the layout has become old by it.
 bool GranularSystem::Impl::sleepOrWake(double now) {
   if (!sleep.enabled) return false;
+  evaluation.listContacts();
   restOfGrain.resize(grains.size(), detail::Rest{now, {}});
   restOfBody.resize(bodies.size(), detail::Rest{now, {}});
   guardedFrom.resize(bodies.size());

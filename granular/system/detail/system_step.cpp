@@ -170,7 +170,9 @@ void GranularSystem::Impl::addOwner(std::int32_t o, Totals& sum) const {
 
 void GranularSystem::Impl::measure(StepReport& report) {
   prepare();
+  evaluation.keepContacts(true);
   evaluateNow(0.0);
+  evaluation.listContacts();
   const auto start = Clock::now();
   const detail::Layout& layout = evaluation.layout();
   const detail::EvaluationSummary& seen = startSummary;
