@@ -57,39 +57,46 @@ using FindKernel = std::int32_t (*)(const ContactArrays& arrays, const Candidate
 /// Room for four numbers of a contact, in single or double precision: what the laws want to know of it,
 /// brought together from its particles and their owners.
 struct alignas(32) MeetingRow {
-  static constexpr int kMost = 6;  ///< a contact
+  static constexpr int kMost = 7;  ///< a contact
   std::byte numbers[32];
 };
 
-/// Some contacts side by side, few enough to stay in the nearest cache.
-struct ContactChunk {
-  std::int32_t count = 0;
-  const Contact* contacts = nullptr;
-  MeetingRow* meetings = nullptr;   ///< MeetingRow::kMost a contact at most, by GatherKernel
-  ContactForce* forces = nullptr;   ///< by ForceKernel; before, on surfaces, a SurfaceMeeting each
-  TorqueRow* torques = nullptr;     ///< by ForceKernel
-  SettledMemory* memory = nullptr;  ///< by ForceKernel, of laws with memory
-};
-
-using GatherKernel = void (*)(const ContactArrays& arrays, const ContactChunk& chunk);
-
-/// Contacts of a chunk under one rule.
+/// Contacts under one rule, some of a chunk. What is known of them, and what they do, lies in the order in
+/// which `which` names them.
 struct ContactRun {
-  const MaterialPair* pair;
-  bool ofBodies;
-  bool onSurfaces;  ///< of round particles on exact surfaces; else both are round particles
+  const MaterialPair* pair = nullptr;
+  bool ofBodies = false;
+  bool onSurfaces = false;  ///< of round particles on exact surfaces; else both are round particles
   /// Of particles 1 of the block at hand. Others are told of by another block too: they are not counted, and
   /// nothing is written of them but forces.
-  bool isOwn;
+  bool isOwn = true;
   /// Of the chunk. Behind its end the last is said again until there are a multiple of kContactsPerPack.
   std::span<const std::int32_t> which;
-  ContactChunk chunk;
+  // Of the chunk.
+  const Contact* contacts = nullptr;
+  const SurfaceMeeting* surfaces = nullptr;  ///< where those on surfaces meet them
+  SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
+  // Of the run.
+  MeetingRow* meetings = nullptr;  ///< MeetingRow::kMost a contact at most, by GatherKernel
+  ContactForce* forces = nullptr;  ///< to be filled by ForceKernel
+  TorqueRow* torques = nullptr;    ///< to be filled by ForceKernel
 };
 /// The most that a kernel works on at a time; a power of two.
 inline constexpr std::int32_t kContactsPerPack = 16;
 
+/// Brings together what the forces of a run want to know.
+using GatherKernel = void (*)(const ContactArrays& arrays, const ContactRun& run);
 /// The forces of a run.
 using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
+
+/// Contacts side by side, few enough to stay in the nearest cache, and where what they do is found.
+struct ContactChunk {
+  std::int32_t count = 0;
+  const Contact* contacts = nullptr;
+  const std::int32_t* position = nullptr;  ///< in forces and torques, which lie as runs do
+  const ContactForce* forces = nullptr;
+  const TorqueRow* torques = nullptr;
+};
 
 /// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums` on.
 /// Behind them is room for one more, of what goes elsewhere.

@@ -55,7 +55,7 @@ void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::
                  const Entries<P>& entry, const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
   if (!run.isOwn) return;
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
-  const auto of = [&](int lane) -> SettledMemory& { return run.chunk.memory[contact[lane]]; };
+  const auto of = [&](int lane) -> SettledMemory& { return run.memory[contact[lane]]; };
   const Vector3Of<P>&D = memory.displacement, &next = memory.nextRate;
   forRows<P>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
              [&](int lane, const Four& row) { storeFour(row, of(lane).displacement.data()); });
@@ -115,19 +115,13 @@ struct PairConstants {
   }
 };
 
-template <class P>
-char* lawRowOf(const ContactArrays& arrays, const ContactRun& run, std::int32_t contact) {
-  return static_cast<char*>(arrays.lawRows) +
-         run.chunk.contacts[contact].candidate * std::ptrdiff_t{sizeof(RowOf<P>)};
-}
-
 /// The law rows of a run.
 template <class Normal, class Shear, class P>
 void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
   NormalRequestOf<P> request = requestOf<P>(*run.pair, run.ofBodies);
   for (std::size_t n = 0; n < run.which.size(); n += P::kSize) {
     const std::int32_t* contact = run.which.data() + n;
-    const auto contactAt = [&](int lane) -> const Contact& { return run.chunk.contacts[contact[lane]]; };
+    const auto contactAt = [&](int lane) -> const Contact& { return run.contacts[contact[lane]]; };
     const auto ownerOf = [&](std::int32_t slot) -> const OwnerRow& {
       return arrays.owners[arrays.placeOfSlot[slot]];
     };
@@ -147,33 +141,30 @@ void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
     constants.shear = shearConstants<Normal, P>(*run.pair, constants.normal, request.contact.mass, 1.0);
     forRows<P>(constants.row(), [&](int lane, const Four& row) {
       const auto narrow = __builtin_convertvector(row, RowOf<P>);
-      std::memcpy(lawRowOf<P>(arrays, run, contact[lane]), &narrow, sizeof(narrow));
+      std::memcpy(lawRowOf<P>(arrays, contactAt(lane)), &narrow, sizeof(narrow));
     });
   }
 }
 
-/// Contacts from `contact` on, as many as P has lanes, of which `count` count.
-template <class Normal, class Shear, class P>
-GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double smallestForce,
-                                  const std::int32_t* contact, std::int32_t count, PackExtremes<P>& packed) {
-  PackMeeting<P> meeting = meetingOf<P>(arrays, run, contact);
+/// Contacts from `first` on in the run, as many as P has lanes, of which `count` count.
+template <class Normal, class Shear, class P, bool kMovesOnlySpheres, bool kOnSurfaces>
+void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double smallestForce,
+                  std::int32_t first, std::int32_t count, PackExtremes<P>& packed) {
+  PackMeeting<P> meeting = meetingOf<P, kMovesOnlySpheres, kOnSurfaces>(run, first);
   ContactGeometryOf<P>& g = meeting.g;
   const auto [normal, shear] = PairConstants<Normal, Shear, P>::from(
-      *run.pair, smallestForce, packsOf<P>([&](int lane) {
-        RowOf<P> row;
-        std::memcpy(&row, lawRowOf<P>(arrays, run, contact[lane]), sizeof(row));
-        return row;
-      }));
+      *run.pair, smallestForce, rowsOfRun<P, kMovesOnlySpheres>(run, first, kLaw));
+  const std::int32_t* contact = run.which.data() + first;  // laws with memory ask who they are
 
   const auto touches = g.xi > 0.0;  // rounding may disagree with findContacts
   ContactResultOf<P> result;
   if constexpr (Shear::kHasMemory) {
     Entries<P> entry;
     for (int lane = 0; lane < P::kSize; ++lane) {
-      entry[lane] = arrays.memoryOfCandidate[arrays.indexOfCandidate[run.chunk.contacts[contact[lane]].candidate]];
+      entry[lane] = arrays.memoryOfCandidate[arrays.indexOfCandidate[run.contacts[contact[lane]].candidate]];
     }
     ContactMemoryOf<P> memory;
-    g.turning = turningOf(meeting, run.onSurfaces);
+    g.turning = turningOf(meeting, kOnSurfaces);
     const Vector3Of<P> D = displacementsOf<Normal, P>(arrays, entry, shear, g);
     result = resultWithMemory<Normal, Shear, P>(normal, shear, g, D, memory);
     storeMemory<P>(arrays, run, contact, entry, memory, touches);
@@ -185,11 +176,11 @@ GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun&
                            ifTouching(result.force.z())};
   const Vector3Of<P> torque1 = meeting.toPoint1.cross(force), torque2 = meeting.toPoint2.cross(force);
   forRows<P>({force.x(), force.y(), force.z(), ifTouching(result.dissipation)},
-             [&](int lane, const Four& row) { storeFour(row, run.chunk.forces[contact[lane]].force.data()); });
+             [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].force.data()); });
   forRows<P>({torque2.x(), torque2.y(), torque2.z(), g.xi},
-             [&](int lane, const Four& row) { storeFour(row, run.chunk.forces[contact[lane]].torque.data()); });
+             [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].torque.data()); });
   forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)}, [&](int lane, const Four& row) {
-    storeFour(row, run.chunk.torques[contact[lane]].torque.data());
+    storeFour(row, run.torques[first + lane].torque.data());
   });
 
   const P xiDot = g.V.dot(g.N);
@@ -203,15 +194,15 @@ GRANULAR_KERNEL void forcesOfPack(const ContactArrays& arrays, const ContactRun&
   packed.pushing = packed.pushing + select(counts && result.normalForce != 0.0, P(1.0), 0.0);
 }
 
-template <class Normal, class Shear, class P>
-void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes) {
+template <class Normal, class Shear, class P, bool kMovesOnlySpheres, bool kOnSurfaces>
+GRANULAR_KERNEL void forcesOfRun(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes) {
   const double smallestForce = requestOf<double>(*run.pair, run.ofBodies).smallestForce();
   PackExtremes<P> packed;
   static_assert(kContactsPerPack % P::kSize == 0);
   const auto count = static_cast<std::int32_t>(run.which.size());
   for (std::int32_t n = 0; n < count; n += P::kSize) {
-    forcesOfPack<Normal, Shear, P>(arrays, run, smallestForce, run.which.data() + n,
-                                   run.isOwn ? count - n : 0, packed);
+    forcesOfPack<Normal, Shear, P, kMovesOnlySpheres, kOnSurfaces>(arrays, run, smallestForce, n,
+                                                                   run.isOwn ? count - n : 0, packed);
   }
   for (int lane = 0; lane < Pack::kSize; ++lane) {
     extremes.urgency = std::max(extremes.urgency, packed.urgency[lane]);
@@ -221,6 +212,15 @@ void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extr
     extremes.contacts += static_cast<std::int32_t>(packed.contacts[lane]);
     extremes.pushing += static_cast<std::int32_t>(packed.pushing[lane]);
   }
+}
+template <class Normal, class Shear, class P>
+void forcesOf(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes) {
+  if (arrays.movesOnlySpheres) {
+    return run.onSurfaces ? forcesOfRun<Normal, Shear, P, true, true>(arrays, run, extremes)
+                          : forcesOfRun<Normal, Shear, P, true, false>(arrays, run, extremes);
+  }
+  return run.onSurfaces ? forcesOfRun<Normal, Shear, P, false, true>(arrays, run, extremes)
+                        : forcesOfRun<Normal, Shear, P, false, false>(arrays, run, extremes);
 }
 
 template <class P, class Normal, class... Shears>

@@ -23,26 +23,34 @@ using RowOf = std::conditional_t<std::is_same_v<P, Pack>, Four, FourFloats>;
 /// What is known of a contact before its law, in rows of four numbers. Arms only where something else than
 /// spheres moves.
 enum MeetingRowIndex : int {
-  kWay,    ///< from particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2; not on surfaces
-  kApart,  ///< velocity of owner 1 less that of owner 2, m/s
+  kWay,    ///< from particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2; on surfaces the normal
+           ///< and the slope of the distance
+  kApart,  ///< velocity of owner 1 less that of owner 2, m/s; on surfaces the overlap, m
   kSpin1,  ///< angular velocity of owner 1, rad/s; R1, m
   kSpin2,  ///< angular velocity of owner 2, rad/s; R2, m; on surfaces one over the surface's radius, 1/m
+  kLaw,    ///< as ContactArrays::lawRows
   kArm1,   ///< from the centre of owner 1 to that of particle 1, m; on surfaces to the point
   kArm2,   ///< the same for owner and particle 2
 };
 constexpr int rowsOfMeeting(bool movesOnlySpheres) {
   return movesOnlySpheres ? kArm1 : kArm2 + 1;
 }
+static_assert(kArm2 < MeetingRow::kMost);
 
 static_assert(offsetof(ParticleRow, radius) == 3 * sizeof(double));
 
-template <class P, bool kMovesOnlySpheres>
-void gatherMeetingsOf(const ContactArrays& arrays, const ContactChunk& chunk) {
+template <class P>
+char* lawRowOf(const ContactArrays& arrays, const Contact& contact) {
+  return static_cast<char*>(arrays.lawRows) + contact.candidate * std::ptrdiff_t{sizeof(RowOf<P>)};
+}
+
+template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
+void gatherMeetingsOf(const ContactArrays& arrays, const ContactRun& run) {
   constexpr int kStride = rowsOfMeeting(kMovesOnlySpheres) * sizeof(RowOf<P>);
   const Four minus = {-1.0, -1.0, -1.0, 1.0};
   const ParticleRow *particles = arrays.particles, *balls = arrays.balls;
   const OwnerRow* owners = arrays.owners;
-  const Contact* contacts = chunk.contacts;
+  const Contact* contacts = run.contacts;
   const double* surfaceInverseRadius = arrays.surfaceInverseRadius;
   const std::int32_t* placeOfSlot = arrays.placeOfSlot;
   const std::int32_t particleCount = arrays.particleCount, dynamicParticles = arrays.dynamicParticles,
@@ -50,39 +58,56 @@ void gatherMeetingsOf(const ContactArrays& arrays, const ContactChunk& chunk) {
   const auto placeOf = [=](std::int32_t slot) {
     return kMovesOnlySpheres && slot < dynamicParticles ? slot : placeOfSlot[slot];
   };
-  auto* out = reinterpret_cast<char*>(chunk.meetings);
+  auto* out = reinterpret_cast<char*>(run.meetings);
   const auto put = [&](int row, const Four& numbers) {
     const auto narrow = __builtin_convertvector(numbers, RowOf<P>);
     std::memcpy(out + row * sizeof(narrow), &narrow, sizeof(narrow));
   };
-  for (std::int32_t n = 0; n < chunk.count; ++n, out += kStride) {
-    const auto [slot1, slot2, candidate] = contacts[n];
+  const std::int32_t* which = run.which.data();
+  const auto count = static_cast<std::int32_t>(run.which.size());
+  const std::int32_t padded = (count + kContactsPerPack - 1) / kContactsPerPack * kContactsPerPack;
+  for (std::int32_t k = 0; k < padded; ++k, out += kStride) {
+    const Contact& contact = contacts[which[k]];
+    const std::int32_t slot1 = contact.slot1, slot2 = contact.slot2;
     const std::int32_t place1 = kMovesOnlySpheres ? slot1 : placeOfSlot[slot1], place2 = placeOf(slot2);
     const OwnerRow &owner1 = owners[place1], &owner2 = owners[place2];
-    const bool isRound = slot2 < particleCount;
     const Four a = loadFour(&particles[slot1].x);
-    const Four b = isRound ? loadFour(&particles[slot2].x)
-                           : Four{0.0, 0.0, 0.0, surfaceInverseRadius[slot2 - particleCount]};
-    // An overlap is a small difference, which single precision would not see.
-    const Four d = b + minus * a;  // fourth: the sum of radii
-    const Four q = minus * (d * d);
-    const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
-    put(kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
-    put(kApart, loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()));
+    const Four apart = loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data());
     put(kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
-    put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
+    std::memcpy(out + kLaw * sizeof(RowOf<P>), lawRowOf<P>(arrays, contact), sizeof(RowOf<P>));
+    Four point1, point2;
+    if constexpr (kOnSurfaces) {
+      const SurfaceMeeting& meeting = run.surfaces[which[k]];
+      const double inverseRadius = surfaceInverseRadius[slot2 - particleCount];
+      put(kWay, loadFour(meeting.normal.data()));
+      put(kApart, withFourth(apart, Four{0.0, 0.0, 0.0, meeting.overlap}));
+      put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), Four{0.0, 0.0, 0.0, inverseRadius}));
+      point1 = point2 = loadFour(meeting.point.data());
+    } else {
+      const Four b = loadFour(&particles[slot2].x);
+      // An overlap is a small difference, which single precision would not see.
+      const Four d = b + minus * a;  // fourth: the sum of radii
+      const Four q = minus * (d * d);
+      const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
+      put(kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
+      put(kApart, apart);
+      put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
+      point1 = a, point2 = b;
+    }
     if constexpr (!kMovesOnlySpheres) {
-      const auto& meeting = reinterpret_cast<const SurfaceMeeting&>(chunk.forces[n]);
-      const Four point = loadFour(meeting.point.data());
-      put(kArm1, (isRound ? a : point) - loadFour(&balls[place1].x));
-      put(kArm2, (isRound ? b : point) - loadFour(&balls[place2 - firstBall].x));
+      put(kArm1, point1 - loadFour(&balls[place1].x));
+      put(kArm2, point2 - loadFour(&balls[place2 - firstBall].x));
     }
   }
 }
 template <class P>
-void gatherMeetings(const ContactArrays& arrays, const ContactChunk& chunk) {
-  return arrays.movesOnlySpheres ? gatherMeetingsOf<P, true>(arrays, chunk)
-                                 : gatherMeetingsOf<P, false>(arrays, chunk);
+void gatherMeetings(const ContactArrays& arrays, const ContactRun& run) {
+  if (arrays.movesOnlySpheres) {
+    return run.onSurfaces ? gatherMeetingsOf<P, true, true>(arrays, run)
+                          : gatherMeetingsOf<P, true, false>(arrays, run);
+  }
+  return run.onSurfaces ? gatherMeetingsOf<P, false, true>(arrays, run)
+                        : gatherMeetingsOf<P, false, false>(arrays, run);
 }
 
 /// Where some contacts meet and how they move there.
@@ -113,37 +138,37 @@ void meetRound(const FourPacks<P>& way, const P& radius2, PackMeeting<P>& meetin
   meeting.smallerRadius = min(meeting.radius1, radius2);
 }
 
-/// Of round particles on exact surfaces, from their SurfaceMeeting. inverseRadius: of the surfaces.
+/// Of round particles on exact surfaces. inverseRadius: of the surfaces.
 template <class P>
-void meetSurface(const ContactChunk& chunk, const std::int32_t* contact, const P& inverseRadius,
+void meetSurface(const FourPacks<P>& normal, const P& overlap, const P& inverseRadius,
                  PackMeeting<P>& meeting) {
   ContactGeometryOf<P>& g = meeting.g;
-  const auto at = [&](int lane) -> const SurfaceMeeting& {
-    return reinterpret_cast<const SurfaceMeeting&>(chunk.forces[contact[lane]]);
-  };
-  const FourPacks<P> way = packsOf<P>([&](int lane) { return loadFour(at(lane).normal.data()); });
-  g.N = {way.first, way.second, way.third};
-  g.share = way.fourth;
-  g.xi = P([&](int lane) { return at(lane).overlap; });
+  g.N = {normal.first, normal.second, normal.third};
+  g.share = normal.fourth;
+  g.xi = overlap;
   const P R = meeting.radius1;
   meeting.arm1 = R - g.xi;
   meeting.distance = select(inverseRadius > 0.0, P(R + 1.0 / inverseRadius - g.xi), 0.0);
   meeting.smallerRadius = R;
 }
 
-/// Contacts of a run from `contact` on, as many as P has lanes.
-template <class P>
-PackMeeting<P> meetingOf(const ContactArrays& arrays, const ContactRun& run, const std::int32_t* contact) {
-  const int stride = rowsOfMeeting(arrays.movesOnlySpheres);
-  const auto rowsOf = [&](int row) {
-    return packsOf<P>([&](int lane) {
-      RowOf<P> numbers;
-      const std::ptrdiff_t number = std::ptrdiff_t{contact[lane]} * stride + row;
-      std::memcpy(&numbers, reinterpret_cast<const char*>(run.chunk.meetings) + number * sizeof(numbers),
-                  sizeof(numbers));
-      return numbers;
-    });
-  };
+/// Rows of this index of contacts from `first` on in the run, as many as P has lanes.
+template <class P, bool kMovesOnlySpheres>
+FourPacks<P> rowsOfRun(const ContactRun& run, std::int32_t first, int row) {
+  constexpr int kRows = rowsOfMeeting(kMovesOnlySpheres);
+  const char* from = reinterpret_cast<const char*>(run.meetings) +
+                     (std::ptrdiff_t{first} * kRows + row) * std::ptrdiff_t{sizeof(RowOf<P>)};
+  return packsOf<P>([&](int lane) {
+    RowOf<P> numbers;
+    std::memcpy(&numbers, from + lane * kRows * sizeof(numbers), sizeof(numbers));
+    return numbers;
+  });
+}
+
+/// Contacts from `first` on in the run, as many as P has lanes.
+template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
+PackMeeting<P> meetingOf(const ContactRun& run, std::int32_t first) {
+  const auto rowsOf = [&](int row) { return rowsOfRun<P, kMovesOnlySpheres>(run, first, row); };
   const auto vectorOf = [](const FourPacks<P>& row) -> Vector3Of<P> {
     return {row.first, row.second, row.third};
   };
@@ -153,8 +178,8 @@ PackMeeting<P> meetingOf(const ContactArrays& arrays, const ContactRun& run, con
   const Vector3Of<P> w1 = meeting.angularVelocity1 = vectorOf(spin1);
   const Vector3Of<P> w2 = meeting.angularVelocity2 = vectorOf(spin2);
   meeting.radius1 = spin1.fourth;
-  if (run.onSurfaces) {
-    meetSurface(run.chunk, contact, spin2.fourth, meeting);
+  if constexpr (kOnSurfaces) {
+    meetSurface(rowsOf(kWay), apart.fourth, spin2.fourth, meeting);
   } else {
     meetRound(rowsOf(kWay), spin2.fourth, meeting);
   }
@@ -165,10 +190,10 @@ PackMeeting<P> meetingOf(const ContactArrays& arrays, const ContactRun& run, con
   meeting.velocityOfCenters = vectorOf(apart);
   meeting.toPoint1 = meeting.arm1 * g.N;
   meeting.toPoint2 = P(-meeting.arm2) * g.N;
-  if (arrays.movesOnlySpheres) return meeting;
+  if constexpr (kMovesOnlySpheres) return meeting;
   const Vector3Of<P> arm1 = vectorOf(rowsOf(kArm1)), arm2 = vectorOf(rowsOf(kArm2));
   const Vector3Of<P> ofArms = w1.cross(arm1) - w2.cross(arm2);
-  if (run.onSurfaces) {  // arms reach to the point
+  if constexpr (kOnSurfaces) {  // arms reach to the point
     g.V = vectorOf(apart) + ofArms;
     meeting.velocityOfCenters = g.V - ofPoint;
     meeting.toPoint1 = arm1;

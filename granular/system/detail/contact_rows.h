@@ -40,15 +40,13 @@ struct alignas(64) ContactForce {
 };
 static_assert(sizeof(ContactForce) == 64, "read when wrenches are summed");
 
-/// What a contact on an exact surface is before its force is known, in the same row.
+/// Where a particle meets an exact surface.
 struct alignas(64) SurfaceMeeting {
   Vector3 normal;  ///< out of particle 1, world
   double slope;    ///< of the distance
   Vector3 point;   ///< where they meet, m, world
   double overlap;  ///< m
 };
-static_assert(sizeof(SurfaceMeeting) == sizeof(ContactForce));
-
 /// Of a contact's force about the centre of owner 1.
 struct alignas(32) TorqueRow {
   Vector3 torque;  ///< N m, world

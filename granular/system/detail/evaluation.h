@@ -46,12 +46,13 @@ struct EvaluationSummary {
 
 /// What a thread found in the block that it works on.
 struct BlockContacts {
-  std::int32_t count = 0;
+  std::int32_t count = 0, forceCount = 0;
   std::vector<Contact> contacts;
-  std::vector<ContactForce> forces;
-  std::vector<SettledMemory> memory;  // where some remember
-  // Of the chunk at hand.
-  std::vector<MeetingRow> meetings;
+  std::vector<SurfaceMeeting> surfaces;  // of contacts on surfaces
+  std::vector<SettledMemory> memory;     // where some remember
+  std::vector<std::int32_t> position;    // of a contact's force
+  std::vector<MeetingRow> meetings;      // of the run at hand
+  std::vector<ContactForce> forces;      // of the chunk at hand; of all where contacts are kept
   std::vector<TorqueRow> torques;
   std::vector<PatchWrench> sums;  // by patch, and one more
 };
@@ -167,8 +168,8 @@ class Evaluation {
   const PatchWrench* workOutContacts(std::int32_t block, const ContactArrays& arrays, PieceClock& clock);
   void findContacts(std::int32_t block, const ContactArrays& arrays, BlockContacts& found);
   void findSurfaceContact(std::int32_t candidate, BlockContacts& found);
-  void computeContactForces(std::int32_t block, const ContactChunk& chunk, const ContactArrays& arrays,
-                            Extremes& extremes);
+  ContactChunk computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
+                                    const ContactArrays& arrays, BlockContacts& found, Extremes& extremes);
   void makeRoomForContacts();
   void keepContactsOf(std::int32_t block, const BlockContacts& found);
   void sumUpExtremes();
@@ -234,7 +235,7 @@ class Evaluation {
   PairRule ruleOf(const Contact& contact) const;
   PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies) const;
   template <class Body>
-  void forRuns(std::int32_t block, const ContactChunk& chunk, Body&& body);
+  void forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const;
   void updateLawRows();
   void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, Extremes& extremes);
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;

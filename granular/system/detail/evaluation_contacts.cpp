@@ -18,7 +18,7 @@ namespace {
 /// Line of centres for two particles in one place: any direction does, as long as it is always the same.
 const Vector3 kAnyDirection = Vector3::UnitY();
 
-constexpr std::int32_t kContactsPerChunk = 256;
+constexpr std::int32_t kContactsPerChunk = 256;  // whose forces are worked out before they are added
 constexpr std::size_t kOpenRuns = 8;
 
 }  // namespace
@@ -29,7 +29,8 @@ void Evaluation::findContacts(std::int32_t block, const ContactArrays& arrays, B
   const auto most = static_cast<std::size_t>(end - begin) + 1;
   if (found.contacts.size() < most) {
     found.contacts.resize(most);
-    found.forces.resize(most);
+    found.position.resize(most);
+    found.surfaces.resize(most);
   }
   if (hasMemory_ && found.memory.size() < most) found.memory.resize(most);
   const CandidateSpan candidates{.row = blocks_.row().data(), .partner = blocks_.partner().data()};
@@ -42,7 +43,7 @@ void Evaluation::findContacts(std::int32_t block, const ContactArrays& arrays, B
   }
 }
 
-/// Of a candidate on an exact surface: where they meet, if they do, is left in the row of its force.
+/// Of a candidate on an exact surface: where they meet, if they do, is kept beside it.
 void Evaluation::findSurfaceContact(std::int32_t candidate, BlockContacts& found) {
   const std::int32_t i = blocks_.row()[candidate], slot = blocks_.partner()[candidate];
   const ParticleRow& a = particles_[i];
@@ -51,8 +52,8 @@ void Evaluation::findSurfaceContact(std::int32_t candidate, BlockContacts& found
   const SurfaceDistance near = surfaces_[slot - layout_.particleCount].distance(center);
   if (!(near.distance < reach)) return;
   // Times the slope: the force is that of an energy, also where the distance is interpolated.
-  reinterpret_cast<SurfaceMeeting&>(found.forces[found.count]) = {
-      -near.normal, near.slope, center - near.distance * near.normal, a.radius - near.distance};
+  found.surfaces[found.count] = {-near.normal, near.slope, center - near.distance * near.normal,
+                                 a.radius - near.distance};
   found.contacts[found.count++] = {i, slot, candidate};
 }
 
@@ -198,14 +199,15 @@ NormalConstants Evaluation::normalConstants(const Contact& contact, NormalReques
 template <class Normal, class Shear>
 void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const ContactRun& run,
                          Extremes& extremes) {
-  const Contact& contact = run.chunk.contacts[n];
-  ContactForce& force = run.chunk.forces[n];
-  TorqueRow& torque = run.chunk.torques[n];
+  const std::int32_t which = run.which[n];
+  const Contact& contact = run.contacts[which];
+  ContactForce& force = run.forces[n];
+  TorqueRow& torque = run.torques[n];
   ContactGeometry g;
   if (!contactGeometry(contact, g)) {
     force = {Vector3::Zero(), 0.0, Vector3::Zero(), 0.0};
     torque = {Vector3::Zero(), 0.0};
-    if constexpr (Shear::kHasMemory) run.chunk.memory[n] = {};
+    if constexpr (Shear::kHasMemory) run.memory[which] = {};
     return;
   }
   const PairLaw law = pairLaw(contact);
@@ -228,7 +230,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
   }
   const ContactResult result = contactResult<Normal, Shear>(law.normal, law.shear, g, D, &memory);
   if constexpr (Shear::kHasMemory) {
-    run.chunk.memory[n] = {.displacement = memory.displacement,
+    run.memory[which] = {.displacement = memory.displacement,
                          .stiffness = memory.stiffness,
                          .nextRate = memory.nextRate,
                          .loss = memory.loss,
@@ -256,22 +258,25 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
   const ShearLaw shear = run.pair->def.shear.law;
   if (const auto kernel = forceKernels_->forces[static_cast<int>(normal)][static_cast<int>(shear)]) {
+    forceKernels_->gather(arrays, run);
     return kernel(arrays, run, extremes);
   }
   withNormalLaw(normal, [&]<class Normal>(Normal) {
     if constexpr (Normal::kByArea) {
       withShearLaw(shear, [&]<class Shear>(Shear) {
-        for (const std::int32_t n : run.which) forceOf<Normal, Shear>(n, arrays, run, extremes);
+        for (std::int32_t n = 0; n < std::ssize(run.which); ++n) {
+          forceOf<Normal, Shear>(n, arrays, run, extremes);
+        }
       });
     }
   });
 }
 
-/// body(run) for all contacts of a chunk, in runs under one rule; on surfaces and of other blocks' rows in runs
-/// of their own. Several runs are open at a time, as contacts under different rules lie mixed and a kernel
-/// works on many or in vain.
+/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces and of other blocks'
+/// rows in runs of their own. Several runs are open at a time, as contacts under different rules lie mixed and
+/// a kernel works on many or in vain.
 template <class Body>
-void Evaluation::forRuns(std::int32_t block, const ContactChunk& chunk, Body&& body) {
+void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const {
   struct Run {
     PairRule rule{};
     bool onSurfaces = false, isOwn = true;
@@ -292,11 +297,11 @@ void Evaluation::forRuns(std::int32_t block, const ContactChunk& chunk, Body&& b
                     .onSurfaces = run.onSurfaces,
                     .isOwn = run.isOwn,
                     .which = std::span(run.which).first(run.count),
-                    .chunk = chunk});
+                    .contacts = contacts.data()});
     run.count = 0;
   };
   if (isUniform_) {
-    const PairRule rule = ruleOf(chunk.contacts[0]);
+    const PairRule rule = ruleOf(contacts[0]);
     for (int r = 0; r < 4; ++r) {
       runs[r].rule = rule;
       runs[r].onSurfaces = r >= 2;
@@ -304,8 +309,8 @@ void Evaluation::forRuns(std::int32_t block, const ContactChunk& chunk, Body&& b
     }
     std::int32_t *own = runs[0].which.data(), *foreign = runs[1].which.data();
     const std::int32_t particleCount = layout_.particleCount;
-    for (std::int32_t n = 0; n < chunk.count; ++n) {
-      const Contact& contact = chunk.contacts[n];
+    for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {
+      const Contact& contact = contacts[n];
       if (contact.slot2 >= particleCount) [[unlikely]] {
         Run& run = runs[isOwn(contact) ? 2 : 3];
         run.which[run.count++] = n;
@@ -340,18 +345,41 @@ void Evaluation::forRuns(std::int32_t block, const ContactChunk& chunk, Body&& b
     runs[current].isOwn = own;
     return runs[current];
   };
-  for (std::int32_t n = 0; n < chunk.count; ++n) {
-    const Contact& contact = chunk.contacts[n];
+  for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {
+    const Contact& contact = contacts[n];
     Run& run = runFor(ruleOf(contact), contact.slot2 >= layout_.particleCount, isOwn(contact));
     run.which[run.count++] = n;
   }
   for (std::size_t k = 0; k < open; ++k) finish(runs[k]);
 }
 
-void Evaluation::computeContactForces(std::int32_t block, const ContactChunk& chunk,
-                                      const ContactArrays& arrays, Extremes& extremes) {
-  forceKernels_->gather(arrays, chunk);
-  forRuns(block, chunk, [&](const ContactRun& run) { forcesOfRun(run, arrays, extremes); });
+/// Forces of contacts [first, end) of those found, kContactsPerChunk at most.
+ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
+                                              const ContactArrays& arrays, BlockContacts& found,
+                                              Extremes& extremes) {
+  std::int32_t to = contactsAreKept_ && first > 0 ? found.forceCount : 0;
+  forRuns(block, std::span(found.contacts).subspan(first, end - first), [&](ContactRun run) {
+    const auto count = static_cast<std::int32_t>(run.which.size());
+    const std::size_t behind = static_cast<std::size_t>(to + count + kContactsPerPack);
+    if (found.forces.size() < behind) {
+      found.forces.resize(2 * behind);
+      found.torques.resize(2 * behind);
+    }
+    for (std::int32_t k = 0; k < count; ++k) found.position[first + run.which[k]] = to + k;
+    run.surfaces = found.surfaces.data() + first;
+    run.memory = hasMemory_ ? found.memory.data() + first : nullptr;
+    run.meetings = found.meetings.data();
+    run.forces = found.forces.data() + to;
+    run.torques = found.torques.data() + to;
+    forcesOfRun(run, arrays, extremes);
+    to += count;
+  });
+  found.forceCount = to;
+  return {.count = end - first,
+          .contacts = found.contacts.data() + first,
+          .position = found.position.data() + first,
+          .forces = found.forces.data(),
+          .torques = found.torques.data()};
 }
 
 /// What the laws take from the sizes and masses of all candidates: a list lasts longer than it takes to work
@@ -371,11 +399,11 @@ void Evaluation::updateLawRows() {
     std::array<Contact, kContactsPerChunk> candidates;
     const std::int32_t end = blocks_.starts()[block + 1];
     for (std::int32_t c = blocks_.starts()[block]; c < end;) {
-      ContactChunk chunk{.contacts = candidates.data()};
-      for (; c < end && chunk.count < kContactsPerChunk; ++c) {
-        candidates[chunk.count++] = {blocks_.row()[c], blocks_.partner()[c], c};
+      std::size_t count = 0;
+      for (; c < end && count < candidates.size(); ++c) {
+        candidates[count++] = {blocks_.row()[c], blocks_.partner()[c], c};
       }
-      forRuns(block, chunk, [&](const ContactRun& run) {
+      forRuns(block, std::span(candidates).first(count), [&](const ContactRun& run) {
         const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
         const ShearLaw shear = run.pair->def.shear.law;
         const auto kernel = forceKernels_->laws[static_cast<int>(normal)][static_cast<int>(shear)];
@@ -396,16 +424,10 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
   const std::int32_t patches = layout_.patchOfPlace[firstPlaceOfBlock_[block + 1]] - firstPatch;
   found.sums.assign(patches + 1, PatchWrench{});
   found.meetings.resize(MeetingRow::kMost * kContactsPerChunk);
-  found.torques.resize(kContactsPerChunk);
   Extremes extremes;
   for (std::int32_t first = 0; first < found.count; first += kContactsPerChunk) {
-    const ContactChunk chunk{.count = std::min(kContactsPerChunk, found.count - first),
-                             .contacts = found.contacts.data() + first,
-                             .meetings = found.meetings.data(),
-                             .forces = found.forces.data() + first,
-                             .torques = found.torques.data(),
-                             .memory = hasMemory_ ? found.memory.data() + first : nullptr};
-    computeContactForces(block, chunk, arrays, extremes);  // the laws                     eqs. 2-19
+    const std::int32_t end = std::min(found.count, first + kContactsPerChunk);
+    const ContactChunk chunk = computeContactForces(block, first, end, arrays, found, extremes);  // eqs. 2-19
     clock.done(Stage::ComputeContactForces);
     kernels_->addWrenches(arrays, chunk, firstPatch, patches, found.sums.data());
     clock.done(Stage::SumWrenches);
@@ -439,7 +461,7 @@ void Evaluation::keepContactsOf(std::int32_t block, const BlockContacts& found) 
     if (range.first == range.last) range.first = to;
     contacts_[to] = contact;
     if (hasMemory_) contacts_[to].candidate = blocks_.index()[contact.candidate];
-    forces_[to] = found.forces[n];
+    forces_[to] = found.forces[found.position[n]];
     if (hasMemory_) contactMemory_[to] = found.memory[n];
     range.last = ++to;
   }

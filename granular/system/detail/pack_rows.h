@@ -5,6 +5,9 @@
 #pragma once
 
 #include <cstring>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 #include "granular/base/pack.h"
 
@@ -32,6 +35,14 @@ Four loadFour(const double* from) {
 }
 void storeFour(const Four& four, double* to) {
   std::memcpy(to, &four, sizeof(four));
+}
+/// Four floats in doubles. One instruction; gcc 12 makes four of the compiler's own conversion.
+[[maybe_unused]] Four widened(const FourFloats& four) {
+#ifdef __AVX__
+  return static_cast<Four>(_mm256_cvtps_pd(static_cast<__m128>(four)));
+#else
+  return __builtin_convertvector(four, Four);
+#endif
 }
 /// The first three of one, the fourth of the other.
 Four withFourth(const Four& four, const Four& other) {
@@ -115,12 +126,12 @@ void forRegisterRows(const FourPacks<R>& packs, Function&& to) {
     if constexpr (sizeof(first[0]) == sizeof(double)) {
       to(0, rows.first), to(1, rows.second), to(2, rows.third), to(3, rows.fourth);
     } else if constexpr (sizeof(R) == sizeof(FourFloats)) {
-      const auto wide = [](const FourFloats& row) { return __builtin_convertvector(row, Four); };
-      to(0, wide(rows.first)), to(1, wide(rows.second)), to(2, wide(rows.third)), to(3, wide(rows.fourth));
+      to(0, widened(rows.first)), to(1, widened(rows.second));
+      to(2, widened(rows.third)), to(3, widened(rows.fourth));
     } else {
       const auto both = [&](int lane, const R& row) {
-        to(lane, __builtin_convertvector(__builtin_shufflevector(row, row, 0, 1, 2, 3), Four));
-        to(lane + 4, __builtin_convertvector(__builtin_shufflevector(row, row, 4, 5, 6, 7), Four));
+        to(lane, widened(__builtin_shufflevector(row, row, 0, 1, 2, 3)));
+        to(lane + 4, widened(__builtin_shufflevector(row, row, 4, 5, 6, 7)));
       };
       both(0, rows.first), both(1, rows.second), both(2, rows.third), both(3, rows.fourth);
     }
@@ -139,8 +150,8 @@ void forRows(const FourPacks<P>& packs, Function&& to) {
 template <class P = Pack, class Half>
 P wide(const Half& half) {
   if constexpr (sizeof(Half) == 8 * sizeof(float)) {
-    return P{__builtin_convertvector(__builtin_shufflevector(half, half, 0, 1, 2, 3), Four),
-             __builtin_convertvector(__builtin_shufflevector(half, half, 4, 5, 6, 7), Four)};
+    return P{widened(__builtin_shufflevector(half, half, 0, 1, 2, 3)),
+             widened(__builtin_shufflevector(half, half, 4, 5, 6, 7))};
   } else {
     return P([&](int lane) { return double{half[lane]}; });
   }

@@ -103,6 +103,7 @@ GRANULAR_KERNEL void addWrenches(const ContactArrays& arrays, const ContactChunk
   const Contact* contacts = chunk.contacts;
   const ContactForce* forces = chunk.forces;
   const TorqueRow* torques = chunk.torques;
+  const std::int32_t* position = chunk.position;
   const auto sumOf = [=](std::int32_t slot) -> PatchWrench& {
     const auto patch = static_cast<std::uint32_t>(patchOfSlot[slot] - firstPatch);
     return sums[std::min(patch, static_cast<std::uint32_t>(patchCount))];
@@ -110,13 +111,14 @@ GRANULAR_KERNEL void addWrenches(const ContactArrays& arrays, const ContactChunk
   const auto change = [](double* sum, const Four& by) { storeFour(loadFour(sum) + by, sum); };
   const std::int32_t count = chunk.count;
   for (std::int32_t n = 0; n < count; ++n) {
-    const Four force = loadFour(forces[n].force.data());  // and heat, which particle 1 has all of
+    const std::int32_t at = position[n];
+    const Four force = loadFour(forces[at].force.data());  // and heat, which particle 1 has all of
     PatchWrench& first = sumOf(contacts[n].slot1);
     change(first.force.data(), force);
-    change(first.torque.data(), loadFour(torques[n].torque.data()));
+    change(first.torque.data(), loadFour(torques[at].torque.data()));
     PatchWrench& second = sumOf(contacts[n].slot2);
     change(second.force.data(), -withFourth(force, Four{}));
-    change(second.torque.data(), -loadFour(forces[n].torque.data()));
+    change(second.torque.data(), -loadFour(forces[at].torque.data()));
   }
 }
 
