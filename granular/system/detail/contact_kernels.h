@@ -54,38 +54,31 @@ struct CandidateSpan {
 using FindKernel = std::int32_t (*)(const ContactArrays& arrays, const CandidateSpan& candidates,
                                     std::int32_t begin, std::int32_t end, Contact* contacts, std::int32_t& n);
 
-/// Room for four numbers of a contact, in single or double precision: what the laws want to know of it,
-/// brought together from its particles and their owners.
-struct alignas(32) MeetingRow {
-  static constexpr int kMost = 7;  ///< a contact
-  std::byte numbers[32];
-};
-
 /// Contacts under one rule, some of a chunk. What is known of them, and what they do, lies in the order in
 /// which `which` names them.
 struct ContactRun {
   const MaterialPair* pair = nullptr;
   bool ofBodies = false;
   bool onSurfaces = false;  ///< of round particles on exact surfaces; else both are round particles
-  /// Of particles 1 of the block at hand. Others are told of by another block too: they are not counted, and
-  /// nothing is written of them but forces.
-  bool isOwn = true;
+  /// Slots of the block's own rows. Contacts in others are told of by another block too: they are not counted,
+  /// and nothing is written of them but forces.
+  std::int32_t firstSlot = 0, endSlot = 0;
   /// Of the chunk. Behind its end the last is said again until there are a multiple of kContactsPerPack.
   std::span<const std::int32_t> which;
+  bool isOwn(const Contact& contact) const {
+    return (contact.slot1 >= firstSlot) & (contact.slot1 < endSlot);
+  }
   // Of the chunk.
   const Contact* contacts = nullptr;
   const SurfaceMeeting* surfaces = nullptr;  ///< where those on surfaces meet them
   SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
   // Of the run.
-  MeetingRow* meetings = nullptr;  ///< MeetingRow::kMost a contact at most, by GatherKernel
   ContactForce* forces = nullptr;  ///< to be filled by ForceKernel
   TorqueRow* torques = nullptr;    ///< to be filled by ForceKernel
 };
 /// The most that a kernel works on at a time; a power of two.
 inline constexpr std::int32_t kContactsPerPack = 16;
 
-/// Brings together what the forces of a run want to know.
-using GatherKernel = void (*)(const ContactArrays& arrays, const ContactRun& run);
 /// The forces of a run.
 using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
 
@@ -147,7 +140,6 @@ struct ForceKernels {
   template <class Kernel>
   using ByLaws = std::array<std::array<Kernel, ShearLaws::kCount>, NormalLaws::kCount>;
   std::size_t lawRowSize;  ///< bytes
-  GatherKernel gather;
   ByLaws<LawKernel> laws;
   ByLaws<ForceKernel> forces;
 };

@@ -53,7 +53,7 @@ Vector3Of<P> displacementsOf(const ContactArrays& arrays, const Entries<P>& entr
 template <class P>
 void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::int32_t* contact,
                  const Entries<P>& entry, const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
-  if (!run.isOwn) return;
+
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
   const auto of = [&](int lane) -> SettledMemory& { return run.memory[contact[lane]]; };
   const Vector3Of<P>&D = memory.displacement, &next = memory.nextRate;
@@ -63,6 +63,7 @@ void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::
              [&](int lane, const Four& row) { storeFour(row, of(lane).nextRate.data()); });
   const P heating = ifTouching(memory.heating);
   for (int lane = 0; lane < P::kSize; ++lane) {
+    if (!run.isOwn(run.contacts[contact[lane]])) continue;
     of(lane).heating = heating[lane];
     of(lane).slides = touches[lane] && memory.slides[lane];
     of(lane).touches = touches[lane];
@@ -129,10 +130,10 @@ void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
       return ownerOf(contactAt(lane).slot1).inverseMass + ownerOf(contactAt(lane).slot2).inverseMass;
     });
     const P inverseRadius([&](int lane) {
-      const auto& [slot1, slot2, candidate] = contactAt(lane);
-      return 1.0 / arrays.particles[slot1].radius +
-             (run.onSurfaces ? arrays.surfaceInverseRadius[slot2 - arrays.particleCount]
-                             : 1.0 / arrays.particles[slot2].radius);
+      const Contact& pair = contactAt(lane);
+      return 1.0 / arrays.particles[pair.slot1].radius +
+             (run.onSurfaces ? arrays.surfaceInverseRadius[pair.slot2 - arrays.particleCount]
+                             : 1.0 / arrays.particles[pair.slot2].radius);
     });
     request.contact.mass = select(inverseMass > 0.0, P(1.0 / inverseMass), 1.0);
     request.contact.radius = 1.0 / inverseRadius;
@@ -146,14 +147,16 @@ void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
   }
 }
 
-/// Contacts from `first` on in the run, as many as P has lanes, of which `count` count.
+/// Contacts from `first` on in the run, as many as P has lanes, of which `count` are there.
 template <class Normal, class Shear, class P, bool kMovesOnlySpheres, bool kOnSurfaces>
 void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double smallestForce,
                   std::int32_t first, std::int32_t count, PackExtremes<P>& packed) {
-  PackMeeting<P> meeting = meetingOf<P, kMovesOnlySpheres, kOnSurfaces>(run, first);
+  MeetingRows<P, kMovesOnlySpheres, kOnSurfaces> rows;
+  gatherMeetings(arrays, run, first, rows);
+  PackMeeting<P> meeting = meetingOf(rows);
   ContactGeometryOf<P>& g = meeting.g;
-  const auto [normal, shear] = PairConstants<Normal, Shear, P>::from(
-      *run.pair, smallestForce, rowsOfRun<P, kMovesOnlySpheres>(run, first, kLaw));
+  const auto [normal, shear] =
+      PairConstants<Normal, Shear, P>::from(*run.pair, smallestForce, rows.of(kLaw));
   const std::int32_t* contact = run.which.data() + first;  // laws with memory ask who they are
 
   const auto touches = g.xi > 0.0;  // rounding may disagree with findContacts
@@ -190,8 +193,8 @@ void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double sma
   packed.urgency = max(packed.urgency, urgencyOf<Normal>(pressing, g.xi, xiDot));
   packed.overlap = max(packed.overlap, g.xi / meeting.smallerRadius);
   const auto counts = touches && P([](int lane) { return double(lane); }) < P(double(count));
-  packed.contacts = packed.contacts + select(counts, P(1.0), 0.0);
-  packed.pushing = packed.pushing + select(counts && result.normalForce != 0.0, P(1.0), 0.0);
+  packed.contacts = packed.contacts + select(counts, meeting.isOwn, 0.0);
+  packed.pushing = packed.pushing + select(counts && result.normalForce != 0.0, meeting.isOwn, 0.0);
 }
 
 template <class Normal, class Shear, class P, bool kMovesOnlySpheres, bool kOnSurfaces>
@@ -202,7 +205,7 @@ GRANULAR_KERNEL void forcesOfRun(const ContactArrays& arrays, const ContactRun& 
   const auto count = static_cast<std::int32_t>(run.which.size());
   for (std::int32_t n = 0; n < count; n += P::kSize) {
     forcesOfPack<Normal, Shear, P, kMovesOnlySpheres, kOnSurfaces>(arrays, run, smallestForce, n,
-                                                                   run.isOwn ? count - n : 0, packed);
+                                                                   count - n, packed);
   }
   for (int lane = 0; lane < Pack::kSize; ++lane) {
     extremes.urgency = std::max(extremes.urgency, packed.urgency[lane]);
@@ -234,7 +237,7 @@ constexpr void addKernels(ForceKernels& kernels, LawList<Shears...>, int normal)
 /// P: of what the laws are worked out in.
 template <class P, class... Normals>
 constexpr ForceKernels allKernels(LawList<Normals...>) {
-  ForceKernels kernels{.lawRowSize = sizeof(RowOf<P>), .gather = gatherMeetings<P>, .laws = {}, .forces = {}};
+  ForceKernels kernels{.lawRowSize = sizeof(RowOf<P>), .laws = {}, .forces = {}};
   int normal = 0;
   (addKernels<P, Normals>(kernels, ShearLaws{}, normal++), ...);
   return kernels;

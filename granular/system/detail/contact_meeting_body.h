@@ -24,18 +24,32 @@ using RowOf = std::conditional_t<std::is_same_v<P, Pack>, Four, FourFloats>;
 /// spheres moves.
 enum MeetingRowIndex : int {
   kWay,    ///< from particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2; on surfaces the normal
-           ///< and the slope of the distance
-  kApart,  ///< velocity of owner 1 less that of owner 2, m/s; on surfaces the overlap, m
+           ///< and the overlap, m
+  kApart,  ///< velocity of owner 1 less that of owner 2, m/s; 1 in the block's own rows, else 0
   kSpin1,  ///< angular velocity of owner 1, rad/s; R1, m
   kSpin2,  ///< angular velocity of owner 2, rad/s; R2, m; on surfaces one over the surface's radius, 1/m
   kLaw,    ///< as ContactArrays::lawRows
   kArm1,   ///< from the centre of owner 1 to that of particle 1, m; on surfaces to the point
+           ///< and the slope of the surface's distance
   kArm2,   ///< the same for owner and particle 2
 };
-constexpr int rowsOfMeeting(bool movesOnlySpheres) {
-  return movesOnlySpheres ? kArm1 : kArm2 + 1;
+constexpr int rowsOfMeeting(bool movesOnlySpheres, bool onSurfaces) {
+  return movesOnlySpheres && !onSurfaces ? kArm1 : kArm2 + 1;
 }
-static_assert(kArm2 < MeetingRow::kMost);
+
+/// Of as many contacts as P has lanes.
+template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
+struct MeetingRows {
+  static constexpr int kRows = rowsOfMeeting(kMovesOnlySpheres, kOnSurfaces);
+  alignas(64) RowOf<P> rows[P::kSize * kRows];
+
+  void put(int lane, int row, const Four& numbers) {
+    rows[lane * kRows + row] = __builtin_convertvector(numbers, RowOf<P>);
+  }
+  FourPacks<P> of(int row) const {
+    return packsOf<P>([&](int lane) { return rows[lane * kRows + row]; });
+  }
+};
 
 static_assert(offsetof(ParticleRow, radius) == 3 * sizeof(double));
 
@@ -44,76 +58,64 @@ char* lawRowOf(const ContactArrays& arrays, const Contact& contact) {
   return static_cast<char*>(arrays.lawRows) + contact.candidate * std::ptrdiff_t{sizeof(RowOf<P>)};
 }
 
+/// Of contacts from `first` on in the run.
 template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
-void gatherMeetingsOf(const ContactArrays& arrays, const ContactRun& run) {
-  constexpr int kStride = rowsOfMeeting(kMovesOnlySpheres) * sizeof(RowOf<P>);
+void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int32_t first,
+                    MeetingRows<P, kMovesOnlySpheres, kOnSurfaces>& to) {
   const Four minus = {-1.0, -1.0, -1.0, 1.0};
+  const Four counts[2] = {{0.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
   const ParticleRow *particles = arrays.particles, *balls = arrays.balls;
   const OwnerRow* owners = arrays.owners;
   const Contact* contacts = run.contacts;
-  const double* surfaceInverseRadius = arrays.surfaceInverseRadius;
   const std::int32_t* placeOfSlot = arrays.placeOfSlot;
-  const std::int32_t particleCount = arrays.particleCount, dynamicParticles = arrays.dynamicParticles,
-                     firstBall = arrays.firstBall;
-  const auto placeOf = [=](std::int32_t slot) {
-    return kMovesOnlySpheres && slot < dynamicParticles ? slot : placeOfSlot[slot];
-  };
-  auto* out = reinterpret_cast<char*>(run.meetings);
-  const auto put = [&](int row, const Four& numbers) {
-    const auto narrow = __builtin_convertvector(numbers, RowOf<P>);
-    std::memcpy(out + row * sizeof(narrow), &narrow, sizeof(narrow));
-  };
-  const std::int32_t* which = run.which.data();
-  const auto count = static_cast<std::int32_t>(run.which.size());
-  const std::int32_t padded = (count + kContactsPerPack - 1) / kContactsPerPack * kContactsPerPack;
-  for (std::int32_t k = 0; k < padded; ++k, out += kStride) {
-    const Contact& contact = contacts[which[k]];
+  const std::int32_t dynamicParticles = arrays.dynamicParticles, firstSlot = run.firstSlot;
+  const auto ownSlots = static_cast<std::uint32_t>(run.endSlot - run.firstSlot);
+  const auto* lawRows = static_cast<const RowOf<P>*>(arrays.lawRows);
+  const std::int32_t* which = run.which.data() + first;
+  for (int lane = 0; lane < P::kSize; ++lane) {
+    const Contact& contact = contacts[which[lane]];
     const std::int32_t slot1 = contact.slot1, slot2 = contact.slot2;
-    const std::int32_t place1 = kMovesOnlySpheres ? slot1 : placeOfSlot[slot1], place2 = placeOf(slot2);
+    const std::int32_t place1 = kMovesOnlySpheres ? slot1 : placeOfSlot[slot1];
+    const std::int32_t place2 =
+        kMovesOnlySpheres && !kOnSurfaces && slot2 < dynamicParticles ? slot2 : placeOfSlot[slot2];
     const OwnerRow &owner1 = owners[place1], &owner2 = owners[place2];
     const Four a = loadFour(&particles[slot1].x);
-    const Four apart = loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data());
-    put(kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
-    std::memcpy(out + kLaw * sizeof(RowOf<P>), lawRowOf<P>(arrays, contact), sizeof(RowOf<P>));
-    Four point1, point2;
+    const bool isOwn = static_cast<std::uint32_t>(slot1 - firstSlot) < ownSlots;
+    to.put(lane, kApart,
+           withFourth(loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()), counts[isOwn]));
+    to.put(lane, kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
+    std::memcpy(&to.rows[lane * to.kRows + kLaw], lawRows + contact.candidate, sizeof(RowOf<P>));
     if constexpr (kOnSurfaces) {
-      const SurfaceMeeting& meeting = run.surfaces[which[k]];
-      const double inverseRadius = surfaceInverseRadius[slot2 - particleCount];
-      put(kWay, loadFour(meeting.normal.data()));
-      put(kApart, withFourth(apart, Four{0.0, 0.0, 0.0, meeting.overlap}));
-      put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), Four{0.0, 0.0, 0.0, inverseRadius}));
-      point1 = point2 = loadFour(meeting.point.data());
+      const SurfaceMeeting& meeting = run.surfaces[which[lane]];
+      const double inverseRadius = arrays.surfaceInverseRadius[slot2 - arrays.particleCount];
+      const Four point = loadFour(meeting.point.data()), normal = loadFour(meeting.normal.data());
+      to.put(lane, kWay, withFourth(normal, point));
+      to.put(lane, kSpin2,
+             withFourth(loadFour(owner2.angularVelocity.data()), Four{0.0, 0.0, 0.0, inverseRadius}));
+      const Four center1 = loadFour(kMovesOnlySpheres ? &particles[slot1].x : &balls[place1].x);
+      to.put(lane, kArm1, withFourth(point - center1, normal));
+      to.put(lane, kArm2, point - loadFour(&balls[place2 - arrays.firstBall].x));
     } else {
       const Four b = loadFour(&particles[slot2].x);
       // An overlap is a small difference, which single precision would not see.
       const Four d = b + minus * a;  // fourth: the sum of radii
       const Four q = minus * (d * d);
       const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
-      put(kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
-      put(kApart, apart);
-      put(kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
-      point1 = a, point2 = b;
-    }
-    if constexpr (!kMovesOnlySpheres) {
-      put(kArm1, point1 - loadFour(&balls[place1].x));
-      put(kArm2, point2 - loadFour(&balls[place2 - firstBall].x));
+      to.put(lane, kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
+      to.put(lane, kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
+      if constexpr (!kMovesOnlySpheres) {
+        to.put(lane, kArm1, a - loadFour(&balls[place1].x));
+        to.put(lane, kArm2, b - loadFour(&balls[place2 - arrays.firstBall].x));
+      }
     }
   }
-}
-template <class P>
-void gatherMeetings(const ContactArrays& arrays, const ContactRun& run) {
-  if (arrays.movesOnlySpheres) {
-    return run.onSurfaces ? gatherMeetingsOf<P, true, true>(arrays, run)
-                          : gatherMeetingsOf<P, true, false>(arrays, run);
-  }
-  return run.onSurfaces ? gatherMeetingsOf<P, false, true>(arrays, run)
-                        : gatherMeetingsOf<P, false, false>(arrays, run);
 }
 
 /// Where some contacts meet and how they move there.
 template <class P>
 struct PackMeeting {
   ContactGeometryOf<P> g;
+  P isOwn;              ///< 1 in the block's own rows, else 0
   P radius1, distance;  ///< distance: of the centres, m; 0 on flat surfaces
   P smallerRadius;
   P arm1, arm2;  ///< from the centres of the particles to the point, along N and against it, m
@@ -140,48 +142,33 @@ void meetRound(const FourPacks<P>& way, const P& radius2, PackMeeting<P>& meetin
 
 /// Of round particles on exact surfaces. inverseRadius: of the surfaces.
 template <class P>
-void meetSurface(const FourPacks<P>& normal, const P& overlap, const P& inverseRadius,
-                 PackMeeting<P>& meeting) {
+void meetSurface(const FourPacks<P>& way, const P& slope, const P& inverseRadius, PackMeeting<P>& meeting) {
   ContactGeometryOf<P>& g = meeting.g;
-  g.N = {normal.first, normal.second, normal.third};
-  g.share = normal.fourth;
-  g.xi = overlap;
+  g.N = {way.first, way.second, way.third};
+  g.share = slope;
+  g.xi = way.fourth;
   const P R = meeting.radius1;
   meeting.arm1 = R - g.xi;
   meeting.distance = select(inverseRadius > 0.0, P(R + 1.0 / inverseRadius - g.xi), 0.0);
   meeting.smallerRadius = R;
 }
 
-/// Rows of this index of contacts from `first` on in the run, as many as P has lanes.
-template <class P, bool kMovesOnlySpheres>
-FourPacks<P> rowsOfRun(const ContactRun& run, std::int32_t first, int row) {
-  constexpr int kRows = rowsOfMeeting(kMovesOnlySpheres);
-  const char* from = reinterpret_cast<const char*>(run.meetings) +
-                     (std::ptrdiff_t{first} * kRows + row) * std::ptrdiff_t{sizeof(RowOf<P>)};
-  return packsOf<P>([&](int lane) {
-    RowOf<P> numbers;
-    std::memcpy(&numbers, from + lane * kRows * sizeof(numbers), sizeof(numbers));
-    return numbers;
-  });
-}
-
-/// Contacts from `first` on in the run, as many as P has lanes.
 template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
-PackMeeting<P> meetingOf(const ContactRun& run, std::int32_t first) {
-  const auto rowsOf = [&](int row) { return rowsOfRun<P, kMovesOnlySpheres>(run, first, row); };
+PackMeeting<P> meetingOf(const MeetingRows<P, kMovesOnlySpheres, kOnSurfaces>& rows) {
   const auto vectorOf = [](const FourPacks<P>& row) -> Vector3Of<P> {
     return {row.first, row.second, row.third};
   };
   PackMeeting<P> meeting;
   ContactGeometryOf<P>& g = meeting.g;
-  const FourPacks<P> apart = rowsOf(kApart), spin1 = rowsOf(kSpin1), spin2 = rowsOf(kSpin2);
+  const FourPacks<P> apart = rows.of(kApart), spin1 = rows.of(kSpin1), spin2 = rows.of(kSpin2);
   const Vector3Of<P> w1 = meeting.angularVelocity1 = vectorOf(spin1);
   const Vector3Of<P> w2 = meeting.angularVelocity2 = vectorOf(spin2);
+  meeting.isOwn = apart.fourth;
   meeting.radius1 = spin1.fourth;
   if constexpr (kOnSurfaces) {
-    meetSurface(rowsOf(kWay), apart.fourth, spin2.fourth, meeting);
+    meetSurface<P>(rows.of(kWay), rows.of(kArm1).fourth, spin2.fourth, meeting);
   } else {
-    meetRound(rowsOf(kWay), spin2.fourth, meeting);
+    meetRound<P>(rows.of(kWay), spin2.fourth, meeting);
   }
   // How the point moves (eq. 3), and the centres. What turns round particles moves the point alone.
   meeting.arm2 = meeting.distance - meeting.arm1;
@@ -190,8 +177,8 @@ PackMeeting<P> meetingOf(const ContactRun& run, std::int32_t first) {
   meeting.velocityOfCenters = vectorOf(apart);
   meeting.toPoint1 = meeting.arm1 * g.N;
   meeting.toPoint2 = P(-meeting.arm2) * g.N;
-  if constexpr (kMovesOnlySpheres) return meeting;
-  const Vector3Of<P> arm1 = vectorOf(rowsOf(kArm1)), arm2 = vectorOf(rowsOf(kArm2));
+  if constexpr (kMovesOnlySpheres && !kOnSurfaces) return meeting;
+  const Vector3Of<P> arm1 = vectorOf(rows.of(kArm1)), arm2 = vectorOf(rows.of(kArm2));
   const Vector3Of<P> ofArms = w1.cross(arm1) - w2.cross(arm2);
   if constexpr (kOnSurfaces) {  // arms reach to the point
     g.V = vectorOf(apart) + ofArms;

@@ -51,7 +51,6 @@ struct BlockContacts {
   std::vector<SurfaceMeeting> surfaces;  // of contacts on surfaces
   std::vector<SettledMemory> memory;     // where some remember
   std::vector<std::int32_t> position;    // of a contact's force
-  std::vector<MeetingRow> meetings;      // of the run at hand
   std::vector<ContactForce> forces;      // of the chunk at hand; of all where contacts are kept
   std::vector<TorqueRow> torques;
   std::vector<PatchWrench> sums;  // by patch, and one more

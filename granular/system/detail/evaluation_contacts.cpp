@@ -237,7 +237,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
                          .heating = memory.heating,
                          .slides = memory.slides,
                          .touches = true};
-    if (entry >= 0 && arrays.at.poseRates && run.isOwn) {
+    if (entry >= 0 && arrays.at.poseRates && run.isOwn(contact)) {
       Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
     }
   }
@@ -246,8 +246,8 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
   };
   force = {result.force, result.dissipation, torqueAbout(contact.slot2), g.xi};
   torque = {torqueAbout(contact.slot1), 0.0};
-  extremes.contacts += run.isOwn;
-  extremes.pushing += run.isOwn && result.normalForce != 0.0;
+  extremes.contacts += run.isOwn(contact);
+  extremes.pushing += run.isOwn(contact) && result.normalForce != 0.0;
   extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
   extremes.overlap = std::max(extremes.overlap, relativeOverlap(contact, g.xi));
 }
@@ -258,7 +258,6 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
   const ShearLaw shear = run.pair->def.shear.law;
   if (const auto kernel = forceKernels_->forces[static_cast<int>(normal)][static_cast<int>(shear)]) {
-    forceKernels_->gather(arrays, run);
     return kernel(arrays, run, extremes);
   }
   withNormalLaw(normal, [&]<class Normal>(Normal) {
@@ -272,22 +271,18 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   });
 }
 
-/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces and of other blocks'
-/// rows in runs of their own. Several runs are open at a time, as contacts under different rules lie mixed and
-/// a kernel works on many or in vain.
+/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces in runs of their own.
+/// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
+/// in vain.
 template <class Body>
 void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const {
   struct Run {
     PairRule rule{};
-    bool onSurfaces = false, isOwn = true;
+    bool onSurfaces = false;
     std::int32_t count = 0;
-    std::array<std::int32_t, kContactsPerChunk + 1> which;  // one more, to be written over
+    std::array<std::int32_t, kContactsPerChunk> which;
   };
   static_assert(kContactsPerChunk % kContactsPerPack == 0);
-  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
-  const auto isOwn = [&](const Contact& contact) {
-    return (contact.slot1 >= firstSlot) & (contact.slot1 < endSlot);
-  };
   std::array<Run, kOpenRuns> runs;
   const auto finish = [&](Run& run) {
     if (run.count == 0) return;
@@ -295,42 +290,31 @@ void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, 
     body(ContactRun{.pair = run.rule.pair,
                     .ofBodies = run.rule.ofBodies,
                     .onSurfaces = run.onSurfaces,
-                    .isOwn = run.isOwn,
+                    .firstSlot = firstSlotOfBlock_[block],
+                    .endSlot = firstSlotOfBlock_[block + 1],
                     .which = std::span(run.which).first(run.count),
                     .contacts = contacts.data()});
     run.count = 0;
   };
   if (isUniform_) {
-    const PairRule rule = ruleOf(contacts[0]);
-    for (int r = 0; r < 4; ++r) {
-      runs[r].rule = rule;
-      runs[r].onSurfaces = r >= 2;
-      runs[r].isOwn = r % 2 == 0;
-    }
-    std::int32_t *own = runs[0].which.data(), *foreign = runs[1].which.data();
+    Run &round = runs[0], &onSurfaces = runs[1];
+    round.rule = onSurfaces.rule = ruleOf(contacts[0]);
+    onSurfaces.onSurfaces = true;
     const std::int32_t particleCount = layout_.particleCount;
-    for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {
-      const Contact& contact = contacts[n];
-      if (contact.slot2 >= particleCount) [[unlikely]] {
-        Run& run = runs[isOwn(contact) ? 2 : 3];
-        run.which[run.count++] = n;
-        continue;
-      }
-      *own = *foreign = n;  // written to both, counted for one
-      const bool isOwnContact = isOwn(contact);
-      own += isOwnContact;
-      foreign += !isOwnContact;
+    std::int32_t rounds = 0;
+    for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {  // written to both, counted for one
+      round.which[rounds] = onSurfaces.which[n - rounds] = n;
+      rounds += contacts[n].slot2 < particleCount;
     }
-    runs[0].count = static_cast<std::int32_t>(own - runs[0].which.data());
-    runs[1].count = static_cast<std::int32_t>(foreign - runs[1].which.data());
-    for (int r = 0; r < 4; ++r) finish(runs[r]);
+    round.count = rounds;
+    onSurfaces.count = static_cast<std::int32_t>(contacts.size()) - rounds;
+    finish(round);
+    finish(onSurfaces);
     return;
   }
   std::size_t open = 0, current = 0, oldest = 0;
-  const auto runFor = [&](const PairRule& rule, bool onSurfaces, bool own) -> Run& {
-    const auto fits = [&](const Run& run) {
-      return run.onSurfaces == onSurfaces && run.isOwn == own && run.rule == rule;
-    };
+  const auto runFor = [&](const PairRule& rule, bool onSurfaces) -> Run& {
+    const auto fits = [&](const Run& run) { return run.onSurfaces == onSurfaces && run.rule == rule; };
     if (open > 0 && fits(runs[current])) return runs[current];
     current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
     if (current < open) return runs[current];
@@ -342,12 +326,10 @@ void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, 
     }
     runs[current].rule = rule;
     runs[current].onSurfaces = onSurfaces;
-    runs[current].isOwn = own;
     return runs[current];
   };
   for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {
-    const Contact& contact = contacts[n];
-    Run& run = runFor(ruleOf(contact), contact.slot2 >= layout_.particleCount, isOwn(contact));
+    Run& run = runFor(ruleOf(contacts[n]), contacts[n].slot2 >= layout_.particleCount);
     run.which[run.count++] = n;
   }
   for (std::size_t k = 0; k < open; ++k) finish(runs[k]);
@@ -368,7 +350,6 @@ ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t f
     for (std::int32_t k = 0; k < count; ++k) found.position[first + run.which[k]] = to + k;
     run.surfaces = found.surfaces.data() + first;
     run.memory = hasMemory_ ? found.memory.data() + first : nullptr;
-    run.meetings = found.meetings.data();
     run.forces = found.forces.data() + to;
     run.torques = found.torques.data() + to;
     forcesOfRun(run, arrays, extremes);
@@ -423,7 +404,6 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
   const std::int32_t firstPatch = layout_.patchOfPlace[firstPlaceOfBlock_[block]];
   const std::int32_t patches = layout_.patchOfPlace[firstPlaceOfBlock_[block + 1]] - firstPatch;
   found.sums.assign(patches + 1, PatchWrench{});
-  found.meetings.resize(MeetingRow::kMost * kContactsPerChunk);
   Extremes extremes;
   for (std::int32_t first = 0; first < found.count; first += kContactsPerChunk) {
     const std::int32_t end = std::min(found.count, first + kContactsPerChunk);

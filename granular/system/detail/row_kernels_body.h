@@ -44,7 +44,7 @@ class CandidateTest {
     }
     for (; c < last && partner_[c] < particleCount_; ++c) {
       const Four q = squares(row_[c], partner_[c]);
-      put(q[0] + q[1] + q[2] < q[3], row_[c], partner_[c], c);
+      put(-std::int32_t{q[0] + q[1] + q[2] < q[3]}, FourIntegers{row_[c], partner_[c], c, 0}, partner_[c]);
     }
     return c;
   }
@@ -63,13 +63,21 @@ class CandidateTest {
     const FourPacks<Four> q = transposed<Four>(squares(row[0], partner[0]), squares(row[1], partner[1]),
                                                squares(row[2], partner[2]), squares(row[3], partner[3]));
     const auto touches = __builtin_convertvector(q.first + q.second + q.third < q.fourth, FourIntegers);
-    for (int k = 0; k < 4; ++k) put(-touches[k], row[k], partner[k], c + k);
+    const FourIntegers index = c + FourIntegers{0, 1, 2, 3}, none = {};
+    const FourIntegers ends01 = __builtin_shufflevector(row, partner, 0, 4, 1, 5),
+                       ends23 = __builtin_shufflevector(row, partner, 2, 6, 3, 7),
+                       rest01 = __builtin_shufflevector(index, none, 0, 4, 1, 5),
+                       rest23 = __builtin_shufflevector(index, none, 2, 6, 3, 7);
+    put(touches[0], __builtin_shufflevector(ends01, rest01, 0, 1, 4, 5), partner[0]);
+    put(touches[1], __builtin_shufflevector(ends01, rest01, 2, 3, 6, 7), partner[1]);
+    put(touches[2], __builtin_shufflevector(ends23, rest23, 0, 1, 4, 5), partner[2]);
+    put(touches[3], __builtin_shufflevector(ends23, rest23, 2, 3, 6, 7), partner[3]);
   }
-  /// No branch on who touches: half of the candidates do, and no processor guesses which. What is written of
-  /// the others is written over. The forces will want the owner.
-  void put(std::int32_t touches, std::int32_t row, std::int32_t partner, std::int32_t c) {
-    contacts_[count_] = {row, partner, c};
-    count_ += touches;
+  /// A Contact, in one piece. No branch on who touches (-1, else 0): half of the candidates do, and no
+  /// processor guesses which. What is written of the others is written over. The forces will want the owner.
+  void put(std::int32_t touches, const FourIntegers& contact, std::int32_t partner) {
+    std::memcpy(&contacts_[count_].slot1, &contact, sizeof(contact));
+    count_ -= touches;
     __builtin_prefetch(owners_ + (kSlotsArePlaces ? partner : placeOfSlot_[partner]));
   }
 
@@ -97,29 +105,36 @@ GRANULAR_KERNEL std::int32_t findContacts(const ContactArrays& arrays, const Can
                                  : findContactsOf<false>(arrays, candidates, begin, end, contacts, n);
 }
 
-GRANULAR_KERNEL void addWrenches(const ContactArrays& arrays, const ContactChunk& chunk,
-                                 std::int32_t firstPatch, std::int32_t patchCount, PatchWrench* sums) {
+/// kSlotsArePatches: of what moves.
+template <bool kSlotsArePatches>
+void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::int32_t firstPatch,
+                   std::int32_t patchCount, PatchWrench* sums) {
   const std::int32_t* patchOfSlot = arrays.patchOfSlot;
   const Contact* contacts = chunk.contacts;
   const ContactForce* forces = chunk.forces;
   const TorqueRow* torques = chunk.torques;
   const std::int32_t* position = chunk.position;
+  const auto most = static_cast<std::uint32_t>(patchCount);
   const auto sumOf = [=](std::int32_t slot) -> PatchWrench& {
-    const auto patch = static_cast<std::uint32_t>(patchOfSlot[slot] - firstPatch);
-    return sums[std::min(patch, static_cast<std::uint32_t>(patchCount))];
+    const std::int32_t patch = kSlotsArePatches ? slot : patchOfSlot[slot];
+    return sums[std::min(static_cast<std::uint32_t>(patch - firstPatch), most)];
   };
-  const auto change = [](double* sum, const Four& by) { storeFour(loadFour(sum) + by, sum); };
   const std::int32_t count = chunk.count;
   for (std::int32_t n = 0; n < count; ++n) {
     const std::int32_t at = position[n];
     const Four force = loadFour(forces[at].force.data());  // and heat, which particle 1 has all of
-    PatchWrench& first = sumOf(contacts[n].slot1);
-    change(first.force.data(), force);
-    change(first.torque.data(), loadFour(torques[at].torque.data()));
-    PatchWrench& second = sumOf(contacts[n].slot2);
-    change(second.force.data(), -withFourth(force, Four{}));
-    change(second.torque.data(), -loadFour(forces[at].torque.data()));
+    PatchWrench &first = sumOf(contacts[n].slot1), &second = sumOf(contacts[n].slot2);
+    const Four torque1 = loadFour(torques[at].torque.data()), torque2 = loadFour(forces[at].torque.data());
+    storeFour(loadFour(first.force.data()) + force, first.force.data());
+    storeFour(loadFour(first.torque.data()) + torque1, first.torque.data());
+    storeFour(loadFour(second.force.data()) - withFourth(force, Four{}), second.force.data());
+    storeFour(loadFour(second.torque.data()) - torque2, second.torque.data());
   }
+}
+GRANULAR_KERNEL void addWrenches(const ContactArrays& arrays, const ContactChunk& chunk,
+                                 std::int32_t firstPatch, std::int32_t patchCount, PatchWrench* sums) {
+  return arrays.movesOnlySpheres ? addWrenchesOf<true>(arrays, chunk, firstPatch, patchCount, sums)
+                                 : addWrenchesOf<false>(arrays, chunk, firstPatch, patchCount, sums);
 }
 
 }  // namespace
