@@ -39,7 +39,7 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
 /// Places in blocks: so few rows that what they need stays in the nearest caches, so many that few contacts
 /// are between two blocks. Contacts between bodies cost most by far: they are best in one.
 void Evaluation::layBlocks() {
-  constexpr std::int32_t kRows = 512, kBodyRows = 4096;
+  constexpr std::int32_t kRows = 1024, kBodyRows = 4096;
   const std::int32_t moving = layout_.movingCount();
   firstPlaceOfBlock_ = {0};
   firstSlotOfBlock_ = {0};
