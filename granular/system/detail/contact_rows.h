@@ -28,7 +28,7 @@ struct alignas(32) ListedRow {
 /// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
 struct alignas(16) Contact {
   std::int32_t slot1, slot2;
-  std::int32_t candidate;  ///< of CandidateBlocks; of the list where contacts are kept
+  std::int32_t candidate;  ///< of CandidateBlocks
   std::int32_t padding = 0;
 };
 static_assert(sizeof(Contact) == 16, "written whole");

@@ -291,6 +291,7 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
   if (hasMemory_ && arrays.at.poseRates)
     std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   contactsAreKept_ = keepsContacts_ || hasMemory_;
+  contactsAreListed_ = false;
   if (contactsAreKept_) makeRoomForContacts();
   extremesInBlock_.resize(blockCount());
   forTimedPieces(blockCount(), [&](std::int32_t block, PieceClock& clock) {
@@ -306,13 +307,18 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
 }
 
 void Evaluation::listContacts() {
-  if (contactsAreKept_) return;
-  contactsAreKept_ = true;
-  makeRoomForContacts();
-  std::vector<double> none(stateSize() + 1);
-  const ContactArrays arrays = arraysAt({}, none, none);
-  forTimedPieces(blockCount(),
-                 [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
+  if (contactsAreListed_) return;
+  contactsAreListed_ = true;
+  if (!contactsAreKept_) {
+    contactsAreKept_ = true;
+    makeRoomForContacts();
+    std::vector<double> none(stateSize() + 1);
+    const ContactArrays arrays = arraysAt({}, none, none);
+    forTimedPieces(blockCount(),
+                   [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
+  }
+  contactsOfRow_.resize(layout_.dynamicParticles);
+  executor_.forPieces(blockCount(), [&](std::int32_t block) { listContactsOf(block); });
 }
 
 }  // namespace granular::detail

@@ -47,13 +47,17 @@ struct EvaluationSummary {
 /// What a thread found in the block that it works on.
 struct BlockContacts {
   std::int32_t count = 0, forceCount = 0;
-  std::vector<Contact> contacts;
-  std::vector<SurfaceMeeting> surfaces;  // of contacts on surfaces
-  std::vector<SettledMemory> memory;     // where some remember
-  std::vector<std::int32_t> position;    // of a contact's force
-  std::vector<ContactForce> forces;      // of the chunk at hand; of all where contacts are kept
+  // Where it lies: in Evaluation where it is kept, else in the thread's own room.
+  Contact* contacts = nullptr;
+  std::int32_t* position = nullptr;  ///< of a contact's force
+  ContactForce* forces = nullptr;
+  SettledMemory* memory = nullptr;  ///< where some remember
+  std::vector<Contact> ownContacts;
+  std::vector<std::int32_t> ownPositions;
+  std::vector<ContactForce> ownForces;
   std::vector<TorqueRow> torques;
-  std::vector<PatchWrench> sums;  // by patch, and one more
+  std::vector<SurfaceMeeting> surfaces;  ///< of contacts on surfaces
+  std::vector<PatchWrench> sums;         ///< by patch, and one more
 };
 
 class Evaluation {
@@ -170,7 +174,8 @@ class Evaluation {
   ContactChunk computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
                                     const ContactArrays& arrays, BlockContacts& found, Extremes& extremes);
   void makeRoomForContacts();
-  void keepContactsOf(std::int32_t block, const BlockContacts& found);
+  void layOut(std::int32_t block, BlockContacts& found);
+  void listContactsOf(std::int32_t block);
   void sumUpExtremes();
   void computeAccelerations(std::int32_t begin, std::int32_t end, const PatchWrench* wrench,
                             const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
@@ -214,12 +219,21 @@ class Evaluation {
   void rememberList();
   void rememberEntry(std::int32_t m);
   bool remembers(const Contact& contact) const;
-  bool isRemembered(std::int32_t n) const;
-  ContactRange contactsOfBlock(std::int32_t block) const;
+  template <class Body>
+  void forRemembered(std::int32_t block, Body&& body) const;
   void settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate);
 
   /// Whether contact n is one: findContacts may also offer pairs that turn out to be apart.
-  bool touches(std::int32_t n) const { return forces_[n].overlap > 0.0; }
+  bool touches(std::int32_t n) const { return forceOf(n).overlap > 0.0; }
+  const ContactForce& forceOf(std::int32_t n) const { return forces_[positions_[n]]; }
+  /// Of Evaluation's memory; -1: none.
+  std::int32_t entryOf(const Contact& contact) const {
+    return memoryOfCandidate_[blocks_.index()[contact.candidate]];
+  }
+  /// Where contacts of a block are kept: with room to write more than there are.
+  std::int32_t firstKept(std::int32_t block) const {
+    return blocks_.starts()[block] + block * kContactsPerPack;
+  }
 
   template <class Normal, class Shear>
   void forceOf(std::int32_t n, const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
@@ -275,14 +289,15 @@ class Evaluation {
   bool isUniform_ = false;         // all grains, all of one material: one rule
   bool hasMemory_ = false;         // some pair remembers: otherwise nothing is stored for it
 
-  // Contacts that are kept: those of a block's own rows lie together, from its first candidate in the list on.
+  // Contacts that are kept, as each block found them, those in rows of other blocks among them.
   bool keepsContacts_ = false;
-  bool contactsAreKept_ = false;  // of the last evaluation
+  bool contactsAreKept_ = false, contactsAreListed_ = false;  // of the last evaluation
   std::vector<Contact> contacts_;
+  std::vector<std::int32_t> positions_;  // of a contact's force
   std::vector<ContactForce> forces_;
   std::vector<SettledMemory> contactMemory_;
-  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1
-  std::vector<std::int32_t> keptInBlock_;
+  std::vector<std::int32_t> foundInBlock_;
+  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1; once they are listed
   std::vector<Extremes> extremesInBlock_;
   std::vector<StageSeconds> secondsInPiece_;
 
@@ -329,7 +344,7 @@ void Evaluation::forContactsOf(std::int32_t begin, std::int32_t end, Body&& body
   for (std::int32_t rank = begin; rank < end; ++rank) {
     const ContactRange range = contactsOfRow_[layout_.slotOfRank[rank]];
     for (std::int32_t n = range.first; n < range.last; ++n) {
-      if (touches(n)) body(contacts_[n], forces_[n]);
+      if (touches(n)) body(contacts_[n], forceOf(n));
     }
   }
 }

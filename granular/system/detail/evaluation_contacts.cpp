@@ -26,17 +26,10 @@ constexpr std::size_t kOpenRuns = 8;
 /// Candidates of a block that overlap.
 void Evaluation::findContacts(std::int32_t block, const ContactArrays& arrays, BlockContacts& found) {
   const std::int32_t begin = blocks_.starts()[block], end = blocks_.starts()[block + 1];
-  const auto most = static_cast<std::size_t>(end - begin) + 1;
-  if (found.contacts.size() < most) {
-    found.contacts.resize(most);
-    found.position.resize(most);
-    found.surfaces.resize(most);
-  }
-  if (hasMemory_ && found.memory.size() < most) found.memory.resize(most);
   const CandidateSpan candidates{.row = blocks_.row().data(), .partner = blocks_.partner().data()};
   found.count = 0;
   for (std::int32_t c = begin; c < end;) {
-    c = kernels_->findContacts(arrays, candidates, c, end, found.contacts.data(), found.count);
+    c = kernels_->findContacts(arrays, candidates, c, end, found.contacts, found.count);
     for (; c < end && blocks_.partner()[c] >= layout_.particleCount; ++c) {
       findSurfaceContact(c, found);
     }
@@ -216,7 +209,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
   ContactMemory memory;
   std::int32_t entry = -1;
   if constexpr (Shear::kHasMemory) {
-    entry = memoryOfCandidate_[blocks_.index()[contact.candidate]];
+    entry = entryOf(contact);
     if (entry >= 0) {
       D = Eigen::Map<const Vector3>(arrays.displacements + 3 * entry);
       g.slides = memory_[entry].slides;
@@ -339,27 +332,22 @@ void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, 
 ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
                                               const ContactArrays& arrays, BlockContacts& found,
                                               Extremes& extremes) {
-  std::int32_t to = contactsAreKept_ && first > 0 ? found.forceCount : 0;
-  forRuns(block, std::span(found.contacts).subspan(first, end - first), [&](ContactRun run) {
+  std::int32_t to = contactsAreKept_ ? found.forceCount : 0;
+  forRuns(block, std::span(found.contacts + first, found.contacts + end), [&](ContactRun run) {
     const auto count = static_cast<std::int32_t>(run.which.size());
-    const std::size_t behind = static_cast<std::size_t>(to + count + kContactsPerPack);
-    if (found.forces.size() < behind) {
-      found.forces.resize(2 * behind);
-      found.torques.resize(2 * behind);
-    }
     for (std::int32_t k = 0; k < count; ++k) found.position[first + run.which[k]] = to + k;
     run.surfaces = found.surfaces.data() + first;
-    run.memory = hasMemory_ ? found.memory.data() + first : nullptr;
-    run.forces = found.forces.data() + to;
+    run.memory = found.memory + first;
+    run.forces = found.forces + to;
     run.torques = found.torques.data() + to;
     forcesOfRun(run, arrays, extremes);
     to += count;
   });
   found.forceCount = to;
   return {.count = end - first,
-          .contacts = found.contacts.data() + first,
-          .position = found.position.data() + first,
-          .forces = found.forces.data(),
+          .contacts = found.contacts + first,
+          .position = found.position + first,
+          .forces = found.forces,
           .torques = found.torques.data()};
 }
 
@@ -399,6 +387,7 @@ void Evaluation::updateLawRows() {
 const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const ContactArrays& arrays,
                                                PieceClock& clock) {
   thread_local BlockContacts found;
+  layOut(block, found);
   findContacts(block, arrays, found);  // candidates -> pairs with overlap > 0                      eq. 1
   clock.done(Stage::FindContacts);
   const std::int32_t firstPatch = layout_.patchOfPlace[firstPlaceOfBlock_[block]];
@@ -413,39 +402,65 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
     clock.done(Stage::SumWrenches);
   }
   extremesInBlock_[block] = extremes;
-  if (contactsAreKept_) keepContactsOf(block, found);
+  if (contactsAreKept_) {
+    foundInBlock_[block] = found.count;
+    const std::int32_t firstKeptOne = firstKept(block);
+    for (std::int32_t n = 0; n < found.count; ++n) found.position[n] += firstKeptOne;
+  }
   return found.sums.data();
 }
 
 void Evaluation::makeRoomForContacts() {
-  const auto most = static_cast<std::size_t>(list_.size());
+  const auto most = static_cast<std::size_t>(firstKept(blockCount()));
   if (contacts_.size() != most) {
     resizeAnew(contacts_, most);
+    resizeAnew(positions_, most);
     resizeAnew(forces_, most);
   }
   if (hasMemory_ && contactMemory_.size() != most) resizeAnew(contactMemory_, most);
-  contactsOfRow_.resize(layout_.dynamicParticles);
-  keptInBlock_.resize(blockCount());
+  foundInBlock_.resize(blockCount());
 }
 
-/// Contacts of the block's own rows, for whoever reads them.
-void Evaluation::keepContactsOf(std::int32_t block, const BlockContacts& found) {
-  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
-  const std::int32_t first = list_.rowStart()[firstSlot];
-  std::fill(contactsOfRow_.begin() + firstSlot, contactsOfRow_.begin() + endSlot, ContactRange{first, first});
-  std::int32_t to = first;
-  for (std::int32_t n = 0; n < found.count; ++n) {
-    const Contact& contact = found.contacts[n];
-    if (contact.slot1 < firstSlot || contact.slot1 >= endSlot) continue;
-    ContactRange& range = contactsOfRow_[contact.slot1];
-    if (range.first == range.last) range.first = to;
-    contacts_[to] = contact;
-    if (hasMemory_) contacts_[to].candidate = blocks_.index()[contact.candidate];
-    forces_[to] = found.forces[found.position[n]];
-    if (hasMemory_) contactMemory_[to] = found.memory[n];
-    range.last = ++to;
+/// Room for what may be found in a block.
+void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
+  const auto most = static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] +
+                                             kContactsPerPack);
+  found.count = found.forceCount = 0;
+  if (found.torques.size() < most) {
+    found.torques.resize(most);
+    found.surfaces.resize(most);
   }
-  keptInBlock_[block] = to - first;
+  if (contactsAreKept_) {
+    const std::int32_t first = firstKept(block);
+    found.contacts = contacts_.data() + first;
+    found.position = positions_.data() + first;
+    found.forces = forces_.data() + first;
+    found.memory = hasMemory_ ? contactMemory_.data() + first : nullptr;
+    return;
+  }
+  if (found.ownContacts.size() < most) {
+    found.ownContacts.resize(most);
+    found.ownPositions.resize(most);
+    found.ownForces.resize(most);
+  }
+  found.contacts = found.ownContacts.data();
+  found.position = found.ownPositions.data();
+  found.forces = found.ownForces.data();
+  found.memory = nullptr;
+}
+
+/// Which kept contacts are those of the block's own rows.
+void Evaluation::listContactsOf(std::int32_t block) {
+  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
+  std::fill(contactsOfRow_.begin() + firstSlot, contactsOfRow_.begin() + endSlot, ContactRange{0, 0});
+  const std::int32_t first = firstKept(block), end = first + foundInBlock_[block];
+  for (std::int32_t n = first; n < end; ++n) {
+    const std::int32_t slot = contacts_[n].slot1;
+    if (slot < firstSlot || slot >= endSlot) continue;
+    ContactRange& range = contactsOfRow_[slot];
+    if (range.first == range.last) range.first = n;
+    range.last = n + 1;
+  }
 }
 
 void Evaluation::sumUpExtremes() {

@@ -49,7 +49,7 @@ std::vector<RememberedContact> Evaluation::exportMemory(const std::vector<double
 
 bool Evaluation::describe(const Contact& contact, const std::vector<double>& y,
                           RememberedContact& description) const {
-  const std::int32_t entry = hasMemory_ ? memoryOfCandidate_[contact.candidate] : -1;
+  const std::int32_t entry = hasMemory_ ? entryOf(contact) : -1;
   description = entry >= 0 ? remembered(entry, y)
                            : endsOf(layout_.rankOfSlot[contact.slot1], layout_.rankOfSlot[contact.slot2]);
   return entry >= 0;
@@ -97,20 +97,21 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
   }
 }
 
-/// Whether contact n has a memory from the present sub-step on.
-bool Evaluation::isRemembered(std::int32_t n) const {
-  return remembers(contacts_[n]) && contactMemory_[n].touches;
-}
-
 bool Evaluation::remembers(const Contact& contact) const {
   if (isUniform_) return hasMemory_;
   return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
 }
 
-/// Kept contacts of a block's own rows: [first, last).
-ContactRange Evaluation::contactsOfBlock(std::int32_t block) const {
-  const std::int32_t first = list_.rowStart()[firstSlotOfBlock_[block]];
-  return {first, first + keptInBlock_[block]};
+/// body(contact, what it remembers) for every one in the block's own rows that does.
+template <class Body>
+void Evaluation::forRemembered(std::int32_t block, Body&& body) const {
+  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
+  const std::int32_t first = firstKept(block), end = first + foundInBlock_[block];
+  for (std::int32_t n = first; n < end; ++n) {
+    const Contact& contact = contacts_[n];
+    if (contact.slot1 < firstSlot || contact.slot1 >= endSlot || !remembers(contact)) continue;
+    if (contactMemory_[n].touches) body(contact, contactMemory_[n]);
+  }
 }
 
 void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate) {
@@ -122,8 +123,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
     if (isUniform_) {
       count = extremesInBlock_[block].contacts;
     } else {
-      const ContactRange range = contactsOfBlock(block);
-      for (std::int32_t n = range.first; n < range.last; ++n) count += isRemembered(n);
+      forRemembered(block, [&](const Contact&, const SettledMemory&) { ++count; });
     }
     entriesInBlock_[block + 1] = count;
   });
@@ -151,22 +151,15 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
 
 /// The memory of a block's own contacts, into its places of memory_, y and rate.
 void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate) {
-  const ContactRange range = contactsOfBlock(block);
-  for (std::int32_t n = range.first; n < range.last; ++n) {
-    if (!isRemembered(n)) continue;
-    if (const std::int32_t before = memoryOfCandidate_[contacts_[n].candidate]; before >= 0) {
-      livesOn_[before] = 1;
-    }
-  }
+  forRemembered(block, [&](const Contact& contact, const SettledMemory&) {
+    if (const std::int32_t before = entryOf(contact); before >= 0) livesOn_[before] = 1;
+  });
   std::fill(memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block]],
             memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block + 1]], -1);
   const bool hasRates = lackingOf(rate, y) == 0;
   std::int32_t m = entriesInBlock_[block];
-  for (std::int32_t n = range.first; n < range.last; ++n) {
-    if (!isRemembered(n)) continue;
-    const Contact& contact = contacts_[n];
-    memoryOfCandidate_[contact.candidate] = m;
-    const SettledMemory& memory = contactMemory_[n];
+  forRemembered(block, [&](const Contact& contact, const SettledMemory& memory) {
+    memoryOfCandidate_[blocks_.index()[contact.candidate]] = m;
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
     settledOfRank_[rank].heating += memory.heating;
@@ -175,14 +168,14 @@ void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::ve
     Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
     if (hasRates) Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
     ++m;
-  }
+  });
 }
 
 double Evaluation::memoryEnergy() const {
   double energy = 0.0;
   if (memory_.empty()) return energy;
   forEachContact([&](const Contact& contact, const ContactForce&) {
-    const std::int32_t m = memoryOfCandidate_[contact.candidate];
+    const std::int32_t m = entryOf(contact);
     if (m >= 0) energy += memory_[m].energy;
   });
   return energy;
