@@ -9,6 +9,7 @@
 #include <set>
 
 #include "granular/base/random.h"
+#include "granular/search/candidate_blocks.h"
 
 namespace granular {
 namespace {
@@ -215,32 +216,54 @@ TEST(CandidateList, ObeysMasksAndExcludedPairs) {
   EXPECT_FALSE(listedOf(cloud).contains({i, j}));
 }
 
-TEST(CandidateIncidence, NamesEveryCandidateOnceByThePatchOfItsSecondParticleInOrderOfRank) {
-  const Cloud cloud(800, 14);
+TEST(CandidateBlocks, HaveAllPairsOfTheirOwnOnceInOrderOfRank) {
+  constexpr int kCount = 800, kSlotsPerBlock = 100;
+  const Cloud cloud(kCount, 14);
   CandidateList list;
   list.rebuild(cloud.input(), Executor(1));
-  std::vector<std::int32_t> patchOfSlot(800, -1);
+  std::vector<std::int32_t> patchOfSlot(kCount, -1), blockOfPatch, firstSlot;
   for (int i = 0; i < cloud.dynamicCount; ++i) patchOfSlot[i] = cloud.owner[i];
-  CandidateIncidence incidence;
-  incidence.rebuild(list, cloud.input(), patchOfSlot, 300, Executor(2));
-
-  std::vector<std::int32_t> rowOf(list.size());
-  for (std::int32_t i = 0; i < cloud.dynamicCount; ++i) {
-    for (std::int32_t c = list.rowStart()[i]; c < list.rowStart()[i + 1]; ++c) rowOf[c] = i;
+  for (int patch = 0; patch <= cloud.owner[cloud.dynamicCount - 1]; ++patch) {
+    blockOfPatch.push_back(2 * patch / kSlotsPerBlock);
   }
-  std::vector<int> seen(list.size(), 0);
-  for (std::int32_t patch = 0; patch < 300; ++patch) {
-    std::int32_t lastRank = -1;
-    for (const std::int32_t c : incidence.of(patch)) {
-      ++seen[c];
-      EXPECT_EQ(patchOfSlot[list.partner()[c]], patch);
-      EXPECT_GE(cloud.rank[rowOf[c]], lastRank);
-      lastRank = cloud.rank[rowOf[c]];
+  for (int slot = 0; slot <= cloud.dynamicCount; slot += kSlotsPerBlock) firstSlot.push_back(slot);
+  const auto blockOf = [&](std::int32_t slot) {
+    return patchOfSlot[slot] < 0 ? -1 : blockOfPatch[patchOfSlot[slot]];
+  };
+  CandidateBlocks blocks;
+  blocks.rebuild(list,
+                 {.rank = cloud.rank,
+                  .patchOfSlot = patchOfSlot,
+                  .blockOfPatch = blockOfPatch,
+                  .firstSlot = firstSlot,
+                  .wantsIndices = true},
+                 Executor(2));
+
+  std::vector<std::set<std::int32_t>> seen(firstSlot.size() - 1);
+  std::int64_t shared = 0;
+  for (std::int32_t block = 0; block + 1 < std::ssize(firstSlot); ++block) {
+    std::pair<std::int32_t, std::int32_t> last(-1, -1);
+    for (std::int32_t k = blocks.starts()[block]; k < blocks.starts()[block + 1]; ++k) {
+      const std::int32_t row = blocks.row()[k], partner = blocks.partner()[k], c = blocks.index()[k];
+      EXPECT_TRUE(seen[block].insert(c).second);
+      EXPECT_EQ(partner, list.partner()[c]);
+      EXPECT_TRUE(list.rowStart()[row] <= c && c < list.rowStart()[row + 1]);
+      EXPECT_TRUE(blockOf(row) == block || blockOf(partner) == block);
+      const std::pair ranks(cloud.rank[row], cloud.rank[partner]);
+      EXPECT_LT(last, ranks);
+      last = ranks;
     }
   }
-  for (std::int32_t c = 0; c < list.size(); ++c) {
-    EXPECT_EQ(seen[c], list.partner()[c] < cloud.dynamicCount ? 1 : 0);
+  for (std::int32_t row = 0; row < cloud.dynamicCount; ++row) {
+    for (std::int32_t c = list.rowStart()[row]; c < list.rowStart()[row + 1]; ++c) {
+      EXPECT_TRUE(seen[blockOf(row)].contains(c));
+      const std::int32_t other = blockOf(list.partner()[c]);
+      EXPECT_TRUE(other < 0 || seen[other].contains(c));
+      shared += other >= 0 && other != blockOf(row);
+    }
   }
+  EXPECT_GT(shared, 100);
+  EXPECT_EQ(blocks.starts().back(), list.size() + shared);
 }
 
 }  // namespace

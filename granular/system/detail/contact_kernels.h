@@ -70,7 +70,7 @@ struct ContactRun {
   }
   // Of the chunk.
   const Contact* contacts = nullptr;
-  const SurfaceMeeting* surfaces = nullptr;  ///< where those on surfaces meet them
+  const SurfaceMeeting* surfaces = nullptr;  ///< [Contact::surface] of the block
   SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
   // Of the run.
   ContactForce* forces = nullptr;  ///< to be filled by ForceKernel

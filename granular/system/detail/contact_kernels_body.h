@@ -118,7 +118,7 @@ struct PairConstants {
 
 /// The law rows of a run.
 template <class Normal, class Shear, class P>
-void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
+GRANULAR_KERNEL void lawsOf(const ContactArrays& arrays, const ContactRun& run) {
   NormalRequestOf<P> request = requestOf<P>(*run.pair, run.ofBodies);
   for (std::size_t n = 0; n < run.which.size(); n += P::kSize) {
     const std::int32_t* contact = run.which.data() + n;

@@ -86,7 +86,7 @@ void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int
     to.put(lane, kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
     std::memcpy(&to.rows[lane * to.kRows + kLaw], lawRows + contact.candidate, sizeof(RowOf<P>));
     if constexpr (kOnSurfaces) {
-      const SurfaceMeeting& meeting = run.surfaces[which[lane]];
+      const SurfaceMeeting& meeting = run.surfaces[contact.surface];
       const double inverseRadius = arrays.surfaceInverseRadius[slot2 - arrays.particleCount];
       const Four point = loadFour(meeting.point.data()), normal = loadFour(meeting.normal.data());
       to.put(lane, kWay, withFourth(normal, point));

@@ -28,8 +28,8 @@ struct alignas(32) ListedRow {
 /// An overlapping pair found by findContacts. slot2 may be that of an exact surface.
 struct alignas(16) Contact {
   std::int32_t slot1, slot2;
-  std::int32_t candidate;  ///< of CandidateBlocks
-  std::int32_t padding = 0;
+  std::int32_t candidate;    ///< of CandidateBlocks
+  std::int32_t surface = 0;  ///< which SurfaceMeeting, where slot2 is that of a surface
 };
 static_assert(sizeof(Contact) == 16, "written whole");
 

@@ -104,13 +104,15 @@ void Evaluation::evaluate(const Moment& at, const std::vector<double>& y, std::v
   placeParticles(at.time, y);  // pose -> particle positions, x + R s_i                     sec. 3.1
   updateCandidates();          // only when something has moved too far                     sec. 3.2
   updateLawRows();
-  const ContactArrays arrays = arraysAt(at, y, rate);
+  ContactArrays arrays = contactArrays();
+  arrays.displacements = y.data() + stateSize();
+  arrays.displacementRates = rate.data() + (stateSize() - lackingOf(rate, y));
+  arrays.at = at;
   workOnBlocks(arrays, y, rate);  // contacts, forces, wrenches, motion        eqs. 1-19, secs. 3.1, 3.4
 }
 
-/// What the kernels read and fill.
-ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& y,
-                                   std::vector<double>& rate) {
+/// What the kernels read and fill, but for what is known of a moment.
+ContactArrays Evaluation::contactArrays() {
   return {.particleCount = layout_.particleCount,
           .dynamicParticles = layout_.dynamicParticles,
           .particles = particles_.data(),
@@ -125,9 +127,9 @@ ContactArrays Evaluation::arraysAt(const Moment& at, const std::vector<double>& 
           .indexOfCandidate = blocks_.index().data(),
           .memoryOfCandidate = memoryOfCandidate_.data(),
           .memory = memory_.data(),
-          .displacements = y.data() + stateSize(),
-          .displacementRates = rate.data() + (stateSize() - lackingOf(rate, y)),
-          .at = at};
+          .displacements = nullptr,
+          .displacementRates = nullptr,
+          .at = {}};
 }
 
 void Evaluation::placeOwner(std::int32_t o, const Vector3& position, const Quaternion& orientation) {
@@ -292,7 +294,9 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
     std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   contactsAreKept_ = keepsContacts_ || hasMemory_;
   contactsAreListed_ = false;
+  contactsAreMeasured_ = measuresContacts_;
   if (contactsAreKept_) makeRoomForContacts();
+  if (contactsAreMeasured_) contactTotals_.assign(layout_.dynamicParticles, {});
   extremesInBlock_.resize(blockCount());
   forTimedPieces(blockCount(), [&](std::int32_t block, PieceClock& clock) {
     const PatchWrench* wrenches = workOutContacts(block, arrays, clock);
@@ -306,16 +310,38 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
   rate[heatAt() - lackingOf(rate, y)] = heat;
 }
 
+/// The contacts of the last evaluation once more, where none remembers anything.
+void Evaluation::workOutAgain() {
+  const ContactArrays arrays = contactArrays();
+  forTimedPieces(blockCount(),
+                 [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
+}
+
+std::span<const ContactTotals> Evaluation::contactTotals() {
+  if (contactsAreMeasured_) return contactTotals_;
+  contactsAreMeasured_ = true;
+  contactTotals_.assign(layout_.dynamicParticles, {});
+  if (contactsAreKept_) {
+    executor_.forPieces(blockCount(), [&](std::int32_t block) {
+      const std::int32_t first = firstKept(block);
+      measureContactsOf(block, {.count = foundInBlock_[block],
+                                .contacts = contacts_.data() + first,
+                                .position = positions_.data() + first,
+                                .forces = forces_.data()});
+    });
+  } else {
+    workOutAgain();
+  }
+  return contactTotals_;
+}
+
 void Evaluation::listContacts() {
   if (contactsAreListed_) return;
   contactsAreListed_ = true;
   if (!contactsAreKept_) {
     contactsAreKept_ = true;
     makeRoomForContacts();
-    std::vector<double> none(stateSize() + 1);
-    const ContactArrays arrays = arraysAt({}, none, none);
-    forTimedPieces(blockCount(),
-                   [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
+    workOutAgain();
   }
   contactsOfRow_.resize(layout_.dynamicParticles);
   executor_.forPieces(blockCount(), [&](std::int32_t block) { listContactsOf(block); });

@@ -44,10 +44,17 @@ struct EvaluationSummary {
   double largestSpeed = 0.0;    ///< of any point of any moving owner, at most, m/s
 };
 
-/// What a thread found in the block that it works on.
+/// Sums over the contacts in the row of a particle.
+struct ContactTotals {
+  double elastic = 0.0;  ///< energy of normal springs, J
+  double overlap = 0.0;  ///< in smaller radii of the pairs
+};
+
+/// Contacts that were found in a block, those in rows of other blocks among them, and what a thread needs to
+/// work on them. Where they are kept, contacts, positions, forces and memory lie with the block, else in the
+/// thread's own room: positions and forces of a chunk only.
 struct BlockContacts {
   std::int32_t count = 0, forceCount = 0;
-  // Where it lies: in Evaluation where it is kept, else in the thread's own room.
   Contact* contacts = nullptr;
   std::int32_t* position = nullptr;  ///< of a contact's force
   ContactForce* forces = nullptr;
@@ -55,9 +62,9 @@ struct BlockContacts {
   std::vector<Contact> ownContacts;
   std::vector<std::int32_t> ownPositions;
   std::vector<ContactForce> ownForces;
-  std::vector<TorqueRow> torques;
-  std::vector<SurfaceMeeting> surfaces;  ///< of contacts on surfaces
-  std::vector<PatchWrench> sums;         ///< by patch, and one more
+  std::vector<TorqueRow> torques;         ///< of the chunk at hand
+  std::vector<SurfaceMeeting> surfaces;   ///< of contacts on surfaces
+  std::vector<PatchWrench> sums;          ///< by patch, and one more
 };
 
 class Evaluation {
@@ -110,7 +117,7 @@ class Evaluation {
   /// Whether there are springs of friction (eqs. 17 and 19).
   bool hasSprings() const { return hasMemory_; }
   /// Energy in them at the last accepted state, J.
-  double memoryEnergy() const;
+  double memoryEnergy();
   /// Carries memory from one layout to the next; contacts of owners that are gone are forgotten.
   std::vector<RememberedContact> exportMemory(const std::vector<double>& y) const;
   void importMemory(const std::vector<RememberedContact>& memory, std::vector<double>& y);
@@ -140,6 +147,11 @@ class Evaluation {
 
   /// Whether the evaluations that follow keep their contacts; where some remember they always do.
   void keepContacts(bool keep) { keepsContacts_ = keep; }
+  /// Whether the evaluations that follow measure their contacts.
+  void measureContacts(bool measure) { measuresContacts_ = measure; }
+  /// Of the contacts of the last evaluation, by rank of particle 1: works them out once more where they were
+  /// not measured.
+  std::span<const ContactTotals> contactTotals();
   /// Contacts of the last evaluation are there: works them out once more where they were not kept. For all
   /// that reads contacts.
   void listContacts();
@@ -176,6 +188,11 @@ class Evaluation {
   void makeRoomForContacts();
   void layOut(std::int32_t block, BlockContacts& found);
   void listContactsOf(std::int32_t block);
+  void measureContactsOf(std::int32_t block, const ContactChunk& chunk);
+  void workOutAgain();
+  bool isOwn(std::int32_t block, const Contact& contact) const {
+    return contact.slot1 >= firstSlotOfBlock_[block] && contact.slot1 < firstSlotOfBlock_[block + 1];
+  }
   void sumUpExtremes();
   void computeAccelerations(std::int32_t begin, std::int32_t end, const PatchWrench* wrench,
                             const std::vector<double>& y, bool poseRates, std::vector<double>& rate);
@@ -192,7 +209,7 @@ class Evaluation {
   void tally(std::int32_t body, const PatchWrench& contact, double* to) const;
   void adaptMargin();
   void rebuildCandidates();
-  ContactArrays arraysAt(const Moment& at, const std::vector<double>& y, std::vector<double>& rate);
+  ContactArrays contactArrays();
   std::int32_t blockCount() const { return static_cast<std::int32_t>(firstPlaceOfBlock_.size()) - 1; }
   void makePairLaws();
   /// Where an owner's row is.
@@ -297,6 +314,8 @@ class Evaluation {
   std::vector<ContactForce> forces_;
   std::vector<SettledMemory> contactMemory_;
   std::vector<std::int32_t> foundInBlock_;
+  bool measuresContacts_ = false, contactsAreMeasured_ = false;
+  std::vector<ContactTotals> contactTotals_;  // by rank
   std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1; once they are listed
   std::vector<Extremes> extremesInBlock_;
   std::vector<StageSeconds> secondsInPiece_;

@@ -45,9 +45,9 @@ void Evaluation::findSurfaceContact(std::int32_t candidate, BlockContacts& found
   const SurfaceDistance near = surfaces_[slot - layout_.particleCount].distance(center);
   if (!(near.distance < reach)) return;
   // Times the slope: the force is that of an energy, also where the distance is interpolated.
-  found.surfaces[found.count] = {-near.normal, near.slope, center - near.distance * near.normal,
-                                 a.radius - near.distance};
-  found.contacts[found.count++] = {i, slot, candidate};
+  found.contacts[found.count++] = {i, slot, candidate, static_cast<std::int32_t>(found.surfaces.size())};
+  found.surfaces.push_back(
+      {-near.normal, near.slope, center - near.distance * near.normal, a.radius - near.distance});
 }
 
 /// What bodies press with. Of a particle against an exact surface: its pieces, where they are below it. Of
@@ -332,22 +332,23 @@ void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, 
 ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
                                               const ContactArrays& arrays, BlockContacts& found,
                                               Extremes& extremes) {
-  std::int32_t to = contactsAreKept_ ? found.forceCount : 0;
+  std::int32_t* position = found.position + (contactsAreKept_ ? first : 0);
+  ContactForce* forces = found.forces + found.forceCount;
+  std::int32_t to = 0;
   forRuns(block, std::span(found.contacts + first, found.contacts + end), [&](ContactRun run) {
     const auto count = static_cast<std::int32_t>(run.which.size());
-    for (std::int32_t k = 0; k < count; ++k) found.position[first + run.which[k]] = to + k;
-    run.surfaces = found.surfaces.data() + first;
-    run.memory = found.memory + first;
-    run.forces = found.forces + to;
+    for (std::int32_t k = 0; k < count; ++k) position[run.which[k]] = to + k;
+    run.surfaces = found.surfaces.data();
+    run.memory = found.memory == nullptr ? nullptr : found.memory + first;
+    run.forces = forces + to;
     run.torques = found.torques.data() + to;
     forcesOfRun(run, arrays, extremes);
     to += count;
   });
-  found.forceCount = to;
   return {.count = end - first,
           .contacts = found.contacts + first,
-          .position = found.position + first,
-          .forces = found.forces,
+          .position = position,
+          .forces = forces,
           .torques = found.torques.data()};
 }
 
@@ -357,13 +358,7 @@ void Evaluation::updateLawRows() {
   if (lawRowsAreCurrent_) return;
   lawRowsAreCurrent_ = true;
   resizeAnew(lawRows_, blocks_.row().size() * forceKernels_->lawRowSize / sizeof(double));
-  ContactArrays arrays;
-  arrays.particleCount = layout_.particleCount;
-  arrays.particles = particles_.data();
-  arrays.owners = owners_.data();
-  arrays.placeOfSlot = layout_.placeOfSlot.data();
-  arrays.surfaceInverseRadius = surfaceInverseRadius_.data();
-  arrays.lawRows = lawRows_.data();
+  const ContactArrays arrays = contactArrays();
   executor_.forPieces(blockCount(), [&](std::int32_t block) {
     std::array<Contact, kContactsPerChunk> candidates;
     const std::int32_t end = blocks_.starts()[block + 1];
@@ -400,13 +395,13 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
     clock.done(Stage::ComputeContactForces);
     kernels_->addWrenches(arrays, chunk, firstPatch, patches, found.sums.data());
     clock.done(Stage::SumWrenches);
+    if (contactsAreMeasured_) measureContactsOf(block, chunk);
+    if (!contactsAreKept_) continue;
+    for (std::int32_t n = first; n < end; ++n) found.position[n] += firstKept(block) + found.forceCount;
+    found.forceCount += end - first;
   }
   extremesInBlock_[block] = extremes;
-  if (contactsAreKept_) {
-    foundInBlock_[block] = found.count;
-    const std::int32_t firstKeptOne = firstKept(block);
-    for (std::int32_t n = 0; n < found.count; ++n) found.position[n] += firstKeptOne;
-  }
+  if (contactsAreKept_) foundInBlock_[block] = found.count;
   return found.sums.data();
 }
 
@@ -421,15 +416,11 @@ void Evaluation::makeRoomForContacts() {
   foundInBlock_.resize(blockCount());
 }
 
-/// Room for what may be found in a block.
+/// Room for what may be found in a block; kernels write up to a pack more than there is.
 void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
-  const auto most = static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] +
-                                             kContactsPerPack);
   found.count = found.forceCount = 0;
-  if (found.torques.size() < most) {
-    found.torques.resize(most);
-    found.surfaces.resize(most);
-  }
+  found.surfaces.clear();
+  found.torques.resize(kContactsPerChunk + kContactsPerPack);
   if (contactsAreKept_) {
     const std::int32_t first = firstKept(block);
     found.contacts = contacts_.data() + first;
@@ -438,11 +429,10 @@ void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
     found.memory = hasMemory_ ? contactMemory_.data() + first : nullptr;
     return;
   }
-  if (found.ownContacts.size() < most) {
-    found.ownContacts.resize(most);
-    found.ownPositions.resize(most);
-    found.ownForces.resize(most);
-  }
+  const auto most = static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] + 1);
+  if (found.ownContacts.size() < most) found.ownContacts.resize(most);
+  found.ownPositions.resize(kContactsPerChunk);
+  found.ownForces.resize(kContactsPerChunk + kContactsPerPack);
   found.contacts = found.ownContacts.data();
   found.position = found.ownPositions.data();
   found.forces = found.ownForces.data();
@@ -451,15 +441,26 @@ void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
 
 /// Which kept contacts are those of the block's own rows.
 void Evaluation::listContactsOf(std::int32_t block) {
-  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
-  std::fill(contactsOfRow_.begin() + firstSlot, contactsOfRow_.begin() + endSlot, ContactRange{0, 0});
+  std::fill(contactsOfRow_.begin() + firstSlotOfBlock_[block],
+            contactsOfRow_.begin() + firstSlotOfBlock_[block + 1], ContactRange{0, 0});
   const std::int32_t first = firstKept(block), end = first + foundInBlock_[block];
   for (std::int32_t n = first; n < end; ++n) {
-    const std::int32_t slot = contacts_[n].slot1;
-    if (slot < firstSlot || slot >= endSlot) continue;
-    ContactRange& range = contactsOfRow_[slot];
+    if (!isOwn(block, contacts_[n])) continue;
+    ContactRange& range = contactsOfRow_[contacts_[n].slot1];
     if (range.first == range.last) range.first = n;
     range.last = n + 1;
+  }
+}
+
+/// Adds contacts of the block's own rows to their totals.
+void Evaluation::measureContactsOf(std::int32_t block, const ContactChunk& chunk) {
+  for (std::int32_t n = 0; n < chunk.count; ++n) {
+    const Contact& contact = chunk.contacts[n];
+    const ContactForce& force = chunk.forces[chunk.position[n]];
+    if (!isOwn(block, contact) || !(force.overlap > 0.0)) continue;
+    ContactTotals& totals = contactTotals_[layout_.rankOfSlot[contact.slot1]];
+    totals.elastic += elasticEnergy(contact, force);
+    totals.overlap += relativeOverlap(contact, force.overlap);
   }
 }
 

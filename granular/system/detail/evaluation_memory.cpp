@@ -105,12 +105,12 @@ bool Evaluation::remembers(const Contact& contact) const {
 /// body(contact, what it remembers) for every one in the block's own rows that does.
 template <class Body>
 void Evaluation::forRemembered(std::int32_t block, Body&& body) const {
-  const std::int32_t firstSlot = firstSlotOfBlock_[block], endSlot = firstSlotOfBlock_[block + 1];
   const std::int32_t first = firstKept(block), end = first + foundInBlock_[block];
   for (std::int32_t n = first; n < end; ++n) {
     const Contact& contact = contacts_[n];
-    if (contact.slot1 < firstSlot || contact.slot1 >= endSlot || !remembers(contact)) continue;
-    if (contactMemory_[n].touches) body(contact, contactMemory_[n]);
+    if (isOwn(block, contact) && remembers(contact) && contactMemory_[n].touches) {
+      body(contact, contactMemory_[n]);
+    }
   }
 }
 
@@ -171,9 +171,10 @@ void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::ve
   });
 }
 
-double Evaluation::memoryEnergy() const {
+double Evaluation::memoryEnergy() {
   double energy = 0.0;
   if (memory_.empty()) return energy;
+  listContacts();
   forEachContact([&](const Contact& contact, const ContactForce&) {
     const std::int32_t m = entryOf(contact);
     if (m >= 0) energy += memory_[m].energy;

@@ -259,7 +259,8 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     const Trial trial = planTrial(dt, dt - t, report);
     if (evaluation.isSortDue()) sortState();  // what planTrial looks at is lost
     const double end = dt - t <= trial.length ? dt : t + trial.length;
-    evaluation.keepContacts(sleep.enabled || end == dt);  // the state after the step is measured
+    evaluation.keepContacts(sleep.enabled);
+    evaluation.measureContacts(end == dt);  // after the step that is asked for
     equations.beginTrial(startSummary);
     if (startSummary.urgency > 0.0) {
       stepper->expectDamping(kDampingPerContact / contactTimeOfUrgency(startSummary.urgency));

@@ -122,6 +122,7 @@ StepReport GranularSystem::Impl::step(double dt, const WorkBudget& allowed) {
 /// Sums over owners and contacts, piece by piece, so that they are the same for any number of threads.
 GranularSystem::Impl::Totals GranularSystem::Impl::sumUp() {
   const detail::Layout& layout = evaluation.layout();
+  const std::span<const detail::ContactTotals> contacts = evaluation.contactTotals();
   const std::int32_t ownerPieces = Executor::pieceCount(layout.dynamicCount(), kMeasuredPerPiece);
   const std::int32_t contactPieces = Executor::pieceCount(layout.dynamicParticles, kMeasuredPerPiece);
   totalsOfPiece.assign(ownerPieces + contactPieces, {});
@@ -134,11 +135,10 @@ GranularSystem::Impl::Totals GranularSystem::Impl::sumUp() {
     } else {
       const std::int32_t begin = (piece - ownerPieces) * kMeasuredPerPiece;
       const std::int32_t end = std::min(layout.dynamicParticles, begin + kMeasuredPerPiece);
-      evaluation.forContactsOf(begin, end,
-                               [&](const detail::Contact& contact, const detail::ContactForce& force) {
-                                 sum.elastic += evaluation.elasticEnergy(contact, force);
-                                 sum.overlap += evaluation.relativeOverlap(contact, force.overlap);
-                               });
+      for (const detail::ContactTotals& row : contacts.subspan(begin, end - begin)) {
+        sum.elastic += row.elastic;
+        sum.overlap += row.overlap;
+      }
     }
   });
   Totals all;
@@ -170,9 +170,8 @@ void GranularSystem::Impl::addOwner(std::int32_t o, Totals& sum) const {
 
 void GranularSystem::Impl::measure(StepReport& report) {
   prepare();
-  evaluation.keepContacts(true);
+  evaluation.measureContacts(true);
   evaluateNow(0.0);
-  evaluation.listContacts();
   const auto start = Clock::now();
   const detail::Layout& layout = evaluation.layout();
   const detail::EvaluationSummary& seen = startSummary;
