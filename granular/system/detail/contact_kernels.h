@@ -72,9 +72,10 @@ struct ContactRun {
   const Contact* contacts = nullptr;
   const SurfaceMeeting* surfaces = nullptr;  ///< [Contact::surface] of the block
   SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
+  VectorRow* nextRates = nullptr;  ///< as ContactMemoryOf::nextRate, m/s; to be filled with Moment::poseRates
   // Of the run.
   ContactForce* forces = nullptr;  ///< to be filled by ForceKernel
-  TorqueRow* torques = nullptr;    ///< to be filled by ForceKernel
+  VectorRow* torques = nullptr;    ///< of forces about the centres of owners 1, N m, world; to be filled
 };
 /// The most that a kernel works on at a time; a power of two.
 inline constexpr std::int32_t kContactsPerPack = 16;
@@ -88,7 +89,7 @@ struct ContactChunk {
   const Contact* contacts = nullptr;
   const std::int32_t* position = nullptr;  ///< in forces and torques, which lie as runs do
   const ContactForce* forces = nullptr;
-  const TorqueRow* torques = nullptr;
+  const VectorRow* torques = nullptr;
 };
 
 /// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums` on.

@@ -34,12 +34,13 @@ Vector3Of<P> displacementsOf(const ContactArrays& arrays, const Entries<P>& entr
   const FourPacks<P> remembered = packsOf<P>([&](int lane) {
     return entry[lane] < 0 ? Four{} : loadFour(arrays.displacements + 3 * std::int64_t{entry[lane]} - 1);
   });
-  for (int lane = 0; lane < P::kSize; ++lane) {
-    g.isNew.set(lane, entry[lane] < 0);
-    g.slides.set(lane, entry[lane] >= 0 && arrays.memory[entry[lane]].slides);
-  }
-  g.stiffnessBefore =
-      P([&](int lane) { return entry[lane] < 0 ? 0.0 : arrays.memory[entry[lane]].stiffness; });
+  const FourPacks<P> before = packsOf<P>([&](int lane) {
+    const Four unknown = {0.0, -1.0, 0.0, 0.0};  // the fourth is no number
+    return entry[lane] < 0 ? unknown : withFourth(loadFour(&arrays.memory[entry[lane]].stiffness), unknown);
+  });
+  g.stiffnessBefore = before.first;
+  g.isNew = before.second < P(0.0);
+  g.slides = before.second > P(0.0);
   g.memoryStep = select(g.isNew, P(0.0), arrays.at.memoryStep);
   // Begun within this trial: it has slid since its overlap was zero.
   const P xiDot = g.V.dot(g.N);
@@ -55,19 +56,20 @@ void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::
                  const Entries<P>& entry, const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
 
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
-  const auto of = [&](int lane) -> SettledMemory& { return run.memory[contact[lane]]; };
   const Vector3Of<P>&D = memory.displacement, &next = memory.nextRate;
   forRows<P>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
-             [&](int lane, const Four& row) { storeFour(row, of(lane).displacement.data()); });
-  forRows<P>({ifTouching(next.x()), ifTouching(next.y()), ifTouching(next.z()), ifTouching(memory.loss)},
-             [&](int lane, const Four& row) { storeFour(row, of(lane).nextRate.data()); });
-  const P heating = ifTouching(memory.heating);
+             [&](int lane, const Four& row) {
+               storeFour(row, run.memory[contact[lane]].displacement.data());
+             });
+  forRows<P>({ifTouching(memory.loss), ifTouching(memory.heating),
+              ifTouching(select(memory.slides, P(1.0), 0.0)), ifTouching(P(1.0))},
+             [&](int lane, const Four& row) { storeFour(row, &run.memory[contact[lane]].loss); });
+  if (!arrays.at.poseRates) return;
+  forRows<P>({next.x(), next.y(), next.z(), P(0.0)}, [&](int lane, const Four& row) {
+    storeFour(row, run.nextRates[contact[lane]].vector.data());
+  });
   for (int lane = 0; lane < P::kSize; ++lane) {
-    if (!run.isOwn(run.contacts[contact[lane]])) continue;
-    of(lane).heating = heating[lane];
-    of(lane).slides = touches[lane] && memory.slides[lane];
-    of(lane).touches = touches[lane];
-    if (!arrays.at.poseRates || entry[lane] < 0 || !touches[lane]) continue;
+    if (entry[lane] < 0 || !touches[lane] || !run.isOwn(run.contacts[contact[lane]])) continue;
     double* rate = arrays.displacementRates + 3 * std::int64_t{entry[lane]};
     rate[0] = memory.rate.x()[lane], rate[1] = memory.rate.y()[lane], rate[2] = memory.rate.z()[lane];
   }
@@ -183,7 +185,7 @@ void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double sma
   forRows<P>({torque2.x(), torque2.y(), torque2.z(), g.xi},
              [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].torque.data()); });
   forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)}, [&](int lane, const Four& row) {
-    storeFour(row, run.torques[first + lane].torque.data());
+    storeFour(row, run.torques[first + lane].vector.data());
   });
 
   const P xiDot = g.V.dot(g.N);

@@ -49,10 +49,10 @@ struct alignas(64) SurfaceMeeting {
   Vector3 point;   ///< where they meet, m, world
   double overlap;  ///< m
 };
-/// Of a contact's force about the centre of owner 1.
-struct alignas(32) TorqueRow {
-  Vector3 torque;  ///< N m, world
-  double padding;
+/// Three numbers of a contact that are written as four.
+struct alignas(32) VectorRow {
+  Vector3 vector = Vector3::Zero();
+  double padding = 0.0;
 };
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
@@ -69,23 +69,22 @@ struct ContactRange {
   std::int32_t first, last;
 };
 
-/// A contact that remembers (eq. 19); its displacement is in the state vector.
-struct MemoryEntry {
-  std::int32_t rank1, rank2;
-  double stiffness;  ///< of its spring when the last sub-step was accepted, N/m
-  double energy;     ///< in it, then, J
-  bool slides;       ///< then
+/// A contact that remembers (eq. 19); its displacement is in the state vector. Numbers, as they are read whole.
+struct alignas(32) MemoryEntry {
+  double stiffness = 0.0;  ///< of its spring when the last sub-step was accepted, N/m
+  double slides = 0.0;     ///< then: 1, else 0
+  double energy = 0.0;     ///< in it, then, J
+  std::int32_t rank1 = -1, rank2 = -1;
 };
 
 /// What a contact remembers once the sub-step is accepted, and what that costs: as ContactMemoryOf.
-struct alignas(32) SettledMemory {
+struct alignas(64) SettledMemory {
   Vector3 displacement = Vector3::Zero();  ///< m
   double stiffness = 0.0;                  ///< N/m
-  Vector3 nextRate = Vector3::Zero();      ///< m/s
   double loss = 0.0;                       ///< J
   double heating = 0.0;                    ///< W
-  bool slides = false;
-  bool touches = false;  ///< else it is none after all
+  double slides = 0.0;                     ///< 1, else 0
+  double touches = 0.0;                    ///< 1; 0: it is none after all
 };
 
 /// Of some contacts: largest urgency and overlap (in smaller radii), and how many push.

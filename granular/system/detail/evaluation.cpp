@@ -295,7 +295,7 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
   contactsAreKept_ = keepsContacts_ || hasMemory_;
   contactsAreListed_ = false;
   contactsAreMeasured_ = measuresContacts_;
-  if (contactsAreKept_) makeRoomForContacts();
+  if (contactsAreKept_) makeRoomForContacts(arrays.at.poseRates);
   if (contactsAreMeasured_) contactTotals_.assign(layout_.dynamicParticles, {});
   extremesInBlock_.resize(blockCount());
   forTimedPieces(blockCount(), [&](std::int32_t block, PieceClock& clock) {
@@ -340,7 +340,7 @@ void Evaluation::listContacts() {
   contactsAreListed_ = true;
   if (!contactsAreKept_) {
     contactsAreKept_ = true;
-    makeRoomForContacts();
+    makeRoomForContacts(false);
     workOutAgain();
   }
   contactsOfRow_.resize(layout_.dynamicParticles);

@@ -59,10 +59,11 @@ struct BlockContacts {
   std::int32_t* position = nullptr;  ///< of a contact's force
   ContactForce* forces = nullptr;
   SettledMemory* memory = nullptr;  ///< where some remember
+  VectorRow* nextRates = nullptr;   ///< the same, with Moment::poseRates
   std::vector<Contact> ownContacts;
   std::vector<std::int32_t> ownPositions;
   std::vector<ContactForce> ownForces;
-  std::vector<TorqueRow> torques;         ///< of the chunk at hand
+  std::vector<VectorRow> torques;         ///< of the chunk at hand
   std::vector<SurfaceMeeting> surfaces;   ///< of contacts on surfaces
   std::vector<PatchWrench> sums;          ///< by patch, and one more
 };
@@ -185,7 +186,7 @@ class Evaluation {
   void findSurfaceContact(std::int32_t candidate, BlockContacts& found);
   ContactChunk computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
                                     const ContactArrays& arrays, BlockContacts& found, Extremes& extremes);
-  void makeRoomForContacts();
+  void makeRoomForContacts(bool wantsRates);
   void layOut(std::int32_t block, BlockContacts& found);
   void listContactsOf(std::int32_t block);
   void measureContactsOf(std::int32_t block, const ContactChunk& chunk);
@@ -313,6 +314,7 @@ class Evaluation {
   std::vector<std::int32_t> positions_;  // of a contact's force
   std::vector<ContactForce> forces_;
   std::vector<SettledMemory> contactMemory_;
+  std::vector<VectorRow> nextRates_;
   std::vector<std::int32_t> foundInBlock_;
   bool measuresContacts_ = false, contactsAreMeasured_ = false;
   std::vector<ContactTotals> contactTotals_;  // by rank
@@ -328,7 +330,7 @@ class Evaluation {
     double heat = 0.0, heating = 0.0;  // J, W: as ContactMemory's loss and heating
   };
   std::vector<Settled> settledOfRank_;           // summed by rank, in which no re-sorting changes anything
-  std::vector<std::int32_t> memoryOfCandidate_;  // -1: none
+  std::vector<std::int32_t> memoryOfCandidate_, memoryOfCandidateBefore_;  // -1: none
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there
   std::vector<double> dampingOfOwner_;  // 1/s: as shearRate()

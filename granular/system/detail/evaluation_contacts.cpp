@@ -195,11 +195,11 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
   const std::int32_t which = run.which[n];
   const Contact& contact = run.contacts[which];
   ContactForce& force = run.forces[n];
-  TorqueRow& torque = run.torques[n];
+  VectorRow& torque = run.torques[n];
   ContactGeometry g;
   if (!contactGeometry(contact, g)) {
     force = {Vector3::Zero(), 0.0, Vector3::Zero(), 0.0};
-    torque = {Vector3::Zero(), 0.0};
+    torque = {};
     if constexpr (Shear::kHasMemory) run.memory[which] = {};
     return;
   }
@@ -212,7 +212,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
     entry = entryOf(contact);
     if (entry >= 0) {
       D = Eigen::Map<const Vector3>(arrays.displacements + 3 * entry);
-      g.slides = memory_[entry].slides;
+      g.slides = memory_[entry].slides != 0.0;
       g.stiffnessBefore = memory_[entry].stiffness;
       g.memoryStep = arrays.at.memoryStep;
     } else if (g.isNew = true;
@@ -225,11 +225,11 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
   if constexpr (Shear::kHasMemory) {
     run.memory[which] = {.displacement = memory.displacement,
                          .stiffness = memory.stiffness,
-                         .nextRate = memory.nextRate,
                          .loss = memory.loss,
                          .heating = memory.heating,
-                         .slides = memory.slides,
-                         .touches = true};
+                         .slides = memory.slides ? 1.0 : 0.0,
+                         .touches = 1.0};
+    if (arrays.at.poseRates) run.nextRates[which].vector = memory.nextRate;
     if (entry >= 0 && arrays.at.poseRates && run.isOwn(contact)) {
       Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
     }
@@ -238,7 +238,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
     return (g.point - center(layout_.ownerOfSlot[slot])).cross(result.force);
   };
   force = {result.force, result.dissipation, torqueAbout(contact.slot2), g.xi};
-  torque = {torqueAbout(contact.slot1), 0.0};
+  torque.vector = torqueAbout(contact.slot1);
   extremes.contacts += run.isOwn(contact);
   extremes.pushing += run.isOwn(contact) && result.normalForce != 0.0;
   extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));
@@ -339,7 +339,10 @@ ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t f
     const auto count = static_cast<std::int32_t>(run.which.size());
     for (std::int32_t k = 0; k < count; ++k) position[run.which[k]] = to + k;
     run.surfaces = found.surfaces.data();
-    run.memory = found.memory == nullptr ? nullptr : found.memory + first;
+    if (hasMemory_) {
+      run.memory = found.memory + first;
+      if (arrays.at.poseRates) run.nextRates = found.nextRates + first;
+    }
     run.forces = forces + to;
     run.torques = found.torques.data() + to;
     forcesOfRun(run, arrays, extremes);
@@ -405,7 +408,7 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
   return found.sums.data();
 }
 
-void Evaluation::makeRoomForContacts() {
+void Evaluation::makeRoomForContacts(bool wantsRates) {
   const auto most = static_cast<std::size_t>(firstKept(blockCount()));
   if (contacts_.size() != most) {
     resizeAnew(contacts_, most);
@@ -413,6 +416,7 @@ void Evaluation::makeRoomForContacts() {
     resizeAnew(forces_, most);
   }
   if (hasMemory_ && contactMemory_.size() != most) resizeAnew(contactMemory_, most);
+  if (hasMemory_ && wantsRates && nextRates_.size() != most) resizeAnew(nextRates_, most);
   foundInBlock_.resize(blockCount());
 }
 
@@ -426,7 +430,10 @@ void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
     found.contacts = contacts_.data() + first;
     found.position = positions_.data() + first;
     found.forces = forces_.data() + first;
-    found.memory = hasMemory_ ? contactMemory_.data() + first : nullptr;
+    if (hasMemory_) {
+      found.memory = contactMemory_.data() + first;
+      found.nextRates = nextRates_.empty() ? nullptr : nextRates_.data() + first;
+    }
     return;
   }
   const auto most = static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] + 1);
@@ -436,7 +443,6 @@ void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
   found.contacts = found.ownContacts.data();
   found.position = found.ownPositions.data();
   found.forces = found.ownForces.data();
-  found.memory = nullptr;
 }
 
 /// Which kept contacts are those of the block's own rows.

@@ -27,7 +27,7 @@ RememberedContact Evaluation::remembered(std::int32_t m, const std::vector<doubl
   RememberedContact contact = endsOf(memory_[m].rank1, memory_[m].rank2);
   contact.displacement = Eigen::Map<const Vector3>(y.data() + stateSize() + 3 * m);
   contact.stiffness = memory_[m].stiffness;
-  contact.slides = memory_[m].slides;
+  contact.slides = memory_[m].slides != 0.0;
   return contact;
 }
 
@@ -84,8 +84,11 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
     if (rank1 < 0 || rank2 < 0) continue;
     const bool swapped = rank2 < rank1;
     known.push_back(
-        {{std::min(rank1, rank2), std::max(rank1, rank2), contact.stiffness,
-          granular::memoryEnergy<double>(contact.stiffness, contact.displacement), contact.slides},
+        {{.stiffness = contact.stiffness,
+          .slides = contact.slides ? 1.0 : 0.0,
+          .energy = granular::memoryEnergy<double>(contact.stiffness, contact.displacement),
+          .rank1 = std::min(rank1, rank2),
+          .rank2 = std::max(rank1, rank2)},
          swapped ? Vector3(-contact.displacement) : contact.displacement});
   }
   std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
@@ -102,15 +105,13 @@ bool Evaluation::remembers(const Contact& contact) const {
   return withShearLaw(ruleOf(contact).pair->def.shear.law, []<class Law>(Law) { return Law::kHasMemory; });
 }
 
-/// body(contact, what it remembers) for every one in the block's own rows that does.
+/// body(n) for every contact n in the block's own rows that remembers something.
 template <class Body>
 void Evaluation::forRemembered(std::int32_t block, Body&& body) const {
   const std::int32_t first = firstKept(block), end = first + foundInBlock_[block];
   for (std::int32_t n = first; n < end; ++n) {
-    const Contact& contact = contacts_[n];
-    if (isOwn(block, contact) && remembers(contact) && contactMemory_[n].touches) {
-      body(contact, contactMemory_[n]);
-    }
+    if (contactMemory_[n].touches == 0.0 || !isOwn(block, contacts_[n])) continue;
+    if (isUniform_ || remembers(contacts_[n])) body(n);
   }
 }
 
@@ -123,7 +124,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
     if (isUniform_) {
       count = extremesInBlock_[block].contacts;
     } else {
-      forRemembered(block, [&](const Contact&, const SettledMemory&) { ++count; });
+      forRemembered(block, [&](std::int32_t) { ++count; });
     }
     entriesInBlock_[block + 1] = count;
   });
@@ -131,6 +132,8 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   const std::int32_t entries = entriesInBlock_[blocks];
   memoryBefore_.swap(memory_);
   memory_.resize(entries);
+  memoryOfCandidateBefore_.swap(memoryOfCandidate_);
+  memoryOfCandidate_.resize(list_.size());
   livesOn_.assign(memoryBefore_.size(), 0);
   settledOfRank_.assign(layout_.dynamicParticles, {});
   const std::size_t lacking = lackingOf(rate, y);
@@ -151,22 +154,27 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
 
 /// The memory of a block's own contacts, into its places of memory_, y and rate.
 void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate) {
-  forRemembered(block, [&](const Contact& contact, const SettledMemory&) {
-    if (const std::int32_t before = entryOf(contact); before >= 0) livesOn_[before] = 1;
-  });
   std::fill(memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block]],
             memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block + 1]], -1);
   const bool hasRates = lackingOf(rate, y) == 0;
+  const auto put = [](const Vector3& v, double* to) { std::copy_n(v.data(), 3, to); };
   std::int32_t m = entriesInBlock_[block];
-  forRemembered(block, [&](const Contact& contact, const SettledMemory& memory) {
-    memoryOfCandidate_[blocks_.index()[contact.candidate]] = m;
+  forRemembered(block, [&](std::int32_t n) {
+    const Contact& contact = contacts_[n];
+    const std::int32_t candidate = blocks_.index()[contact.candidate];
+    if (const std::int32_t before = memoryOfCandidateBefore_[candidate]; before >= 0) livesOn_[before] = 1;
+    memoryOfCandidate_[candidate] = m;
+    const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
     settledOfRank_[rank].heat += memory.loss;
     settledOfRank_[rank].heating += memory.heating;
-    memory_[m] = {rank, layout_.rankOfSlot[contact.slot2], memory.stiffness,
-                  granular::memoryEnergy<double>(memory.stiffness, memory.displacement), memory.slides};
-    Eigen::Map<Vector3>(y.data() + stateSize() + 3 * m) = memory.displacement;
-    if (hasRates) Eigen::Map<Vector3>(rate.data() + stateSize() + 3 * m) = memory.nextRate;
+    memory_[m] = {.stiffness = memory.stiffness,
+                  .slides = memory.slides,
+                  .energy = granular::memoryEnergy<double>(memory.stiffness, memory.displacement),
+                  .rank1 = rank,
+                  .rank2 = layout_.rankOfSlot[contact.slot2]};
+    put(memory.displacement, y.data() + stateSize() + 3 * m);
+    if (hasRates) put(nextRates_[n].vector, rate.data() + stateSize() + 3 * m);
     ++m;
   });
 }

@@ -70,7 +70,12 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
   const std::size_t memory = evaluation_.stateSize();
   executor().forRanges(static_cast<std::int64_t>(y.size() - memory), kNumbersPerPiece,
                        [&](std::int64_t begin, std::int64_t end) {
-                         for (std::size_t i = memory + begin; i < memory + end; ++i) {
+                         const std::size_t first = memory + begin, last = memory + end;
+                         if (drift.memory == 0.0) {
+                           std::copy(y.begin() + first, y.begin() + last, to.begin() + first);
+                           return;
+                         }
+                         for (std::size_t i = first; i < last; ++i) {
                            to[i] = y[i] + drift.memory * rate[i - lacking];
                          }
                        });

@@ -112,7 +112,7 @@ void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::
   const std::int32_t* patchOfSlot = arrays.patchOfSlot;
   const Contact* contacts = chunk.contacts;
   const ContactForce* forces = chunk.forces;
-  const TorqueRow* torques = chunk.torques;
+  const VectorRow* torques = chunk.torques;
   const std::int32_t* position = chunk.position;
   const auto most = static_cast<std::uint32_t>(patchCount);
   const auto sumOf = [=](std::int32_t slot) -> PatchWrench& {
@@ -124,7 +124,7 @@ void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::
     const std::int32_t at = position[n];
     const Four force = loadFour(forces[at].force.data());  // and heat, which particle 1 has all of
     PatchWrench &first = sumOf(contacts[n].slot1), &second = sumOf(contacts[n].slot2);
-    const Four torque1 = loadFour(torques[at].torque.data()), torque2 = loadFour(forces[at].torque.data());
+    const Four torque1 = loadFour(torques[at].vector.data()), torque2 = loadFour(forces[at].torque.data());
     storeFour(loadFour(first.force.data()) + force, first.force.data());
     storeFour(loadFour(first.torque.data()) + torque1, first.torque.data());
     storeFour(loadFour(second.force.data()) - withFourth(force, Four{}), second.force.data());
