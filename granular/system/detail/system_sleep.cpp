@@ -75,7 +75,6 @@ void GranularSystem::Impl::notePlaced(std::int32_t body) {
 /// Between two sub-steps, the present state just evaluated. Whether the layout has become old by it.
 bool GranularSystem::Impl::sleepOrWake(double now) {
   if (!sleep.enabled) return false;
-  evaluation.listContacts();
   restOfGrain.resize(grains.size(), detail::Rest{now, {}});
   restOfBody.resize(bodies.size(), detail::Rest{now, {}});
   guardedFrom.resize(bodies.size());
@@ -96,6 +95,7 @@ bool GranularSystem::Impl::sleepOrWake(double now) {
 
 bool GranularSystem::Impl::wakeUnbalanced(double now, double passed) {
   if (sleepingGrains.size() == 0 && evaluation.layout().sleeperCount() == 0) return false;
+  evaluation.listContacts();
   const Vector3 netBefore = sleepers.netForce();
   const std::vector<detail::OwnerKey>& lost =
       sleepers.findUnbalanced(evaluation, sleep.wakeImbalance, now, sleep.restTime);
@@ -148,6 +148,7 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
 }
 
 bool GranularSystem::Impl::fallAsleep() {
+  evaluation.listContacts();
   std::vector<char> quiet = findQuiet();
   if (std::none_of(quiet.begin(), quiet.end(), [](char q) { return q != 0; })) return false;
   keepAwakeNearMoving(quiet);
