@@ -187,6 +187,34 @@ TEST(GranularSystem, WrenchesOfOneStateSumToZero) {
   EXPECT_LT((after.angularMomentum - before.angularMomentum).norm(), 1e-6 * moment * dt + 1e-15);
 }
 
+TEST(GranularSystem, SpheresThatDoNotTurnMoveAsThoseThatDo) {
+  for (const Stepper stepper : {Stepper::Verlet, Stepper::Leapfrog}) {
+    std::vector<RigidMotion> motions[2];
+    for (const bool turn : {false, true}) {
+      GranularSystem system({.integrator = {.stepper = stepper, .fixedSubStep = 1e-4, .turnSpheres = turn}});
+      const MaterialId stone = system.addMaterial({});
+      const GrainShapeId sphere = system.addGrainShape(sphereShape(0.01));
+      system.addBody({.exact = HalfSpace{}, .material = stone});
+      for (int i = 0; i < 20; ++i) {
+        system.addGrain({.shape = sphere,
+                         .material = stone,
+                         .pose = {.position = {0.019 * (i % 3), 0.012 + 0.019 * (i / 3), 0.003 * (i % 2)}},
+                         .angularVelocity = {10.0, 3.0 * i, 0.0}});
+      }
+      for (int i = 0; i < 10; ++i) system.step(1e-3);
+      const auto all = system.grainMotions();
+      motions[turn].assign(all.begin(), all.end());
+    }
+    for (std::size_t i = 0; i < motions[0].size(); ++i) {
+      EXPECT_EQ(motions[0][i].pose.position, motions[1][i].pose.position);
+      EXPECT_EQ(motions[0][i].velocity, motions[1][i].velocity);
+      EXPECT_EQ(motions[0][i].angularVelocity, motions[1][i].angularVelocity);
+      EXPECT_EQ(motions[0][i].pose.orientation.coeffs(), Quaternion::Identity().coeffs());
+      EXPECT_GT(motions[1][i].pose.orientation.vec().norm(), 0.01);
+    }
+  }
+}
+
 TEST(GranularSystem, SameBitsForAnyNumberOfThreads) {
   std::vector<std::uint64_t> hashes;
   for (const int threads : {1, 2, 3, 8}) {

@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "integrator.contactTimeFraction: value 0.5; allowed: a number in (0, 0.3]"},
         Mistake{"/integrator/speed", 1,
                 "integrator.speed: unknown key; allowed here: stepper, fixedSubStep, tolerance, "
-                "contactTimeFraction, eventFraction, eventContacts, precision, smallestSubStep, trialLimit"},
+                "contactTimeFraction, eventFraction, eventContacts, precision, turnSpheres, smallestSubStep, trialLimit"},
         Mistake{"/integrator/eventFraction", 2,
                 "integrator.eventFraction: value 2; allowed: a number in (0, 1]"},
         Mistake{"/integrator/eventContacts", -1,
@@ -279,6 +279,7 @@ TEST(SceneFile, ReadsEveryFieldOfTheIntegrator) {
                                                                      {"eventFraction", 0.01},
                                                                      {"eventContacts", 5},
                                                                      {"precision", "mixed"},
+                                                                     {"turnSpheres", false},
                                                                      {"smallestSubStep", 1e-12},
                                                                      {"trialLimit", 77}}))
                                           .integrator;
@@ -287,6 +288,7 @@ TEST(SceneFile, ReadsEveryFieldOfTheIntegrator) {
   EXPECT_EQ(def.eventFraction, 0.01);
   EXPECT_EQ(def.eventContacts, 5);
   EXPECT_EQ(def.precision, granular::ContactPrecision::Mixed);
+  EXPECT_FALSE(def.turnSpheres);
   EXPECT_EQ(def.smallestSubStep, 1e-12);
   EXPECT_EQ(def.trialLimit, 77);
 }

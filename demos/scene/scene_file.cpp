@@ -132,6 +132,7 @@ granular::IntegratorDef readIntegrator(const JsonPlace& place) {
   def.eventContacts = static_cast<int>(
       object.integer("eventContacts", 0, std::numeric_limits<int>::max(), def.eventContacts));
   def.precision = static_cast<granular::ContactPrecision>(object.choice("precision", precisionNames(), 0));
+  def.turnSpheres = object.boolean("turnSpheres", def.turnSpheres);
   def.smallestSubStep = object.number("smallestSubStep", Range::positive(), def.smallestSubStep);
   def.trialLimit =
       static_cast<int>(object.integer("trialLimit", 1, std::numeric_limits<int>::max(), def.trialLimit));

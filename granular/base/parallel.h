@@ -31,6 +31,7 @@ class Executor {
   Executor& operator=(const Executor&) = delete;
 
   int threads() const { return threads_; }
+  bool isParallel() const { return pool_ || host_; }
 
   /// Runs work() with the threads at hand. Loops inside it share them without further ado; loops outside have
   /// to gather them first, each on its own.
@@ -46,7 +47,7 @@ class Executor {
   /// body(piece) for every piece in [0, pieces), in any order and on any thread.
   template <class Body>
   void forPieces(std::int32_t pieces, Body&& body) const {
-    if (pieces <= 1 || !(pool_ || host_)) {
+    if (pieces <= 1 || !isParallel()) {
       for (std::int32_t piece = 0; piece < pieces; ++piece) body(piece);
     } else {
       runPieces(pieces, std::ref(body));

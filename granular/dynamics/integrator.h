@@ -58,6 +58,11 @@ struct IntegratorDef {
 
   ContactPrecision precision = ContactPrecision::Double;
 
+  /// Whether orientations of grains that are single spheres follow their spin, which only pictures can tell.
+  /// Without, where nothing else moves, steppers of one evaluation leave orientations as they are and need
+  /// not work them out.
+  bool turnSpheres = true;
+
   /// Trials in one step() before the rest of it is done at a tolerance a thousand times looser, and with that
   /// many again at whatever comes (StepFlag::TrialLimitReached). Drops no time: a WorkBudget does.
   int trialLimit = 1000000;

@@ -283,6 +283,7 @@ void GranularSystem::setIntegrator(const IntegratorDef& def) {
   if (def.precision != impl_->integrator.precision) impl_->startIsCurrent = false;
   impl_->integrator = def;
   impl_->evaluation.usePrecision(def.precision);
+  impl_->equations.turnSpheres(def.turnSpheres);
   if (changesStepper) impl_->setStepper();
 }
 const IntegratorDef& GranularSystem::integrator() const {

@@ -29,7 +29,7 @@ LammpsPeer::~LammpsPeer() {
 PackedScene LammpsPeer::build(const PackedGrains& grains, const granular::MaterialPairDef& pair,
                               granular::ContactPrecision precision) const {
   return makePackedScene(
-      grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_, .precision = precision},
+      grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_, .precision = precision, .turnSpheres = false},
       1);
 }
 

@@ -103,6 +103,7 @@ struct DriftArrays {
   const double *poses, *momenta, *rates;
   double *posesTo, *momentaTo;
   const double* inverseInertia;  ///< [place] as Layout::isotropicInverseInertia
+  bool turns;                    ///< else orientations stay
 };
 
 /// Drifts owners in places [begin, end). Lists in `left` the places of those that turn as no sphere does, or

@@ -70,7 +70,6 @@ void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int
   const std::int32_t* placeOfSlot = arrays.placeOfSlot;
   const std::int32_t dynamicParticles = arrays.dynamicParticles, firstSlot = run.firstSlot;
   const auto ownSlots = static_cast<std::uint32_t>(run.endSlot - run.firstSlot);
-  const auto* lawRows = static_cast<const RowOf<P>*>(arrays.lawRows);
   const std::int32_t* which = run.which.data() + first;
   for (int lane = 0; lane < P::kSize; ++lane) {
     const Contact& contact = contacts[which[lane]];
@@ -84,7 +83,7 @@ void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int
     to.put(lane, kApart,
            withFourth(loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()), counts[isOwn]));
     to.put(lane, kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
-    std::memcpy(&to.rows[lane * to.kRows + kLaw], lawRows + contact.candidate, sizeof(RowOf<P>));
+    std::memcpy(&to.rows[lane * to.kRows + kLaw], lawRowOf<P>(arrays, contact), sizeof(RowOf<P>));
     if constexpr (kOnSurfaces) {
       const SurfaceMeeting& meeting = run.surfaces[contact.surface];
       const double inverseRadius = arrays.surfaceInverseRadius[slot2 - arrays.particleCount];

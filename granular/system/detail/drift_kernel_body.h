@@ -29,6 +29,21 @@ struct PackHalfTurn {
 /// Squares of lengths of quaternions from which one step of Newton's leads back to 1 within rounding.
 constexpr double kNearUnit = 1.0 - 1e-8;
 
+/// Poses that move on and do not turn.
+void driftPositions(const DriftArrays& arrays, std::int32_t begin, std::int32_t end) {
+  const double time = arrays.drift.time, kick = arrays.drift.poseKick;
+  const double *pose = arrays.poses, *momenta = arrays.momenta, *rates = arrays.rates;
+  double* to = arrays.posesTo;
+  for (std::int64_t place = begin; place < end; ++place) {
+    const double* from = pose + place * state::kPoseSize;
+    const Four position = loadFour(from), orientation = loadFour(from + 3);
+    const Four velocity = loadFour(momenta + place * state::kMomentaSize) +
+                          kick * loadFour(rates + place * state::kMomentaSize);
+    storeFour(position + time * velocity, to + place * state::kPoseSize);
+    storeFour(orientation, to + place * state::kPoseSize + 3);
+  }
+}
+
 GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t begin, std::int32_t end,
                                          std::int32_t* left) {
   std::int32_t leftCount = 0;
@@ -41,6 +56,10 @@ GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t
   for (std::int64_t i = std::int64_t{begin} * state::kMomentaSize; i < std::int64_t{end} * state::kMomentaSize;
        ++i) {
     arrays.momentaTo[i] = arrays.momenta[i] + arrays.drift.kick * arrays.rates[i];
+  }
+  if (!arrays.turns) {
+    driftPositions(arrays, begin, end);
+    return 0;
   }
   for (std::int32_t place = begin; place < end; place += Pack::kSize) {
     // Lanes to spare do the last owner again.

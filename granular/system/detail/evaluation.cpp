@@ -37,9 +37,11 @@ void Evaluation::reset(const std::vector<MaterialPair>& materialPairs,
 }
 
 /// Places in blocks: so few rows that what they need stays in the nearest caches, so many that few contacts
-/// are between two blocks. Contacts between bodies cost most by far: they are best in one.
+/// are between two blocks. Contacts between bodies cost most by far: one thread does not do them twice. Sums
+/// do not depend on it.
 void Evaluation::layBlocks() {
-  constexpr std::int32_t kRows = 1024, kBodyRows = 4096;
+  constexpr std::int32_t kRows = 1024;
+  const std::int32_t bodyRows = executor_.isParallel() ? kRows : 8 * kRows;
   const std::int32_t moving = layout_.movingCount();
   firstPlaceOfBlock_ = {0};
   firstSlotOfBlock_ = {0};
@@ -52,7 +54,7 @@ void Evaluation::layBlocks() {
     const std::int32_t count = end - layout_.slotOfPlace[place];
     rows += count;
     if (layout_.ownerOfPlace[place] < layout_.dynamicGrains) grainRows += count;
-    if (grainRows < kRows && rows < kBodyRows && place + 1 < moving) continue;
+    if (grainRows < kRows && rows < bodyRows && place + 1 < moving) continue;
     firstPlaceOfBlock_.push_back(place + 1);
     firstSlotOfBlock_.push_back(std::min(end, layout_.dynamicParticles));
     grainRows = rows = 0;

@@ -60,7 +60,8 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
                            .rates = rate.data() + (firstMomentum - lacking),
                            .posesTo = to.data(),
                            .momentaTo = to.data() + firstMomentum,
-                           .inverseInertia = layout.isotropicInverseInertia.data()};
+                           .inverseInertia = layout.isotropicInverseInertia.data(),
+                           .turns = turnsSpheres_ || !layout.movesOnlySpheres};
   executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
     std::array<std::int32_t, kOwnersPerPiece + 1> left;
     const std::int32_t count = evaluation_.kernels().drift(arrays, static_cast<std::int32_t>(begin),

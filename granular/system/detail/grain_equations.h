@@ -24,6 +24,9 @@ class GrainEquations final : public Equations {
     return evaluation_.layout().dynamicCount() * state::kSize;
   }
 
+  /// As IntegratorDef::turnSpheres.
+  void turnSpheres(bool turn) { turnsSpheres_ = turn; }
+
   /// A trial starts from a state in which an evaluation saw this.
   void beginTrial(const EvaluationSummary& start);
   /// The most urgent and the most contacts of its start and of its evaluations since.
@@ -36,6 +39,7 @@ class GrainEquations final : public Equations {
   EvaluationSummary seen_;
   std::int64_t pushingAtStart_ = 0;
   bool hasEvent_ = false;
+  bool turnsSpheres_ = true;
 };
 
 }  // namespace granular::detail

@@ -69,6 +69,7 @@ class GranularSystem::Impl {
         evaluation(def.threads, def.executor),
         sleep(def.sleep) {
     evaluation.usePrecision(def.integrator.precision);
+    equations.turnSpheres(def.integrator.turnSpheres);
     setStepper();
   }
 
