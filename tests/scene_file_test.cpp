@@ -143,7 +143,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "integrator.contactTimeFraction: value 0.5; allowed: a number in (0, 0.3]"},
         Mistake{"/integrator/speed", 1,
                 "integrator.speed: unknown key; allowed here: stepper, fixedSubStep, tolerance, "
-                "contactTimeFraction, eventFraction, eventContacts, precision, turnSpheres, smallestSubStep, trialLimit"},
+                "contactTimeFraction, eventFraction, eventContacts, precision, turnSpheres, smallestSubStep, "
+                "trialLimit"},
         Mistake{"/integrator/eventFraction", 2,
                 "integrator.eventFraction: value 2; allowed: a number in (0, 1]"},
         Mistake{"/integrator/eventContacts", -1,

@@ -28,9 +28,12 @@ LammpsPeer::~LammpsPeer() {
 
 PackedScene LammpsPeer::build(const PackedGrains& grains, const granular::MaterialPairDef& pair,
                               granular::ContactPrecision precision) const {
-  return makePackedScene(
-      grains, pair, {.stepper = granular::Stepper::Verlet, .fixedSubStep = timeStep_, .precision = precision, .turnSpheres = false},
-      1);
+  return makePackedScene(grains, pair,
+                         {.stepper = granular::Stepper::Verlet,
+                          .fixedSubStep = timeStep_,
+                          .precision = precision,
+                          .turnSpheres = false},
+                         1);
 }
 
 granular::StepReport LammpsPeer::advance(granular::GranularSystem& system, std::int64_t steps) const {

@@ -59,7 +59,7 @@ constexpr std::int64_t kLammpsReference = 50;  // times as many for its referenc
 
 std::vector<Sweep> sweeps(const PrecisionScene& scene) {
   // Step bounds at their loosest, so that tolerances decide.
-  const IntegratorDef base{.contactTimeFraction = 0.3, .eventContacts = 0};
+  const IntegratorDef base{.contactTimeFraction = 0.3, .eventContacts = 0, .turnSpheres = false};
   std::vector<Sweep> all;
   const auto add = [&](const std::string& name, Stepper stepper, bool isFixed,
                        ContactPrecision precision = ContactPrecision::Double) {

@@ -49,8 +49,8 @@ struct CandidateSpan {
   const std::int32_t *row, *partner;  ///< slots of particles 1 and 2
 };
 
-/// Candidates [begin, end) that overlap become contacts behind the n that are there. Stops at the first one on
-/// an exact surface, or at the end: returns that one. There must be room for contact n whoever touches.
+/// Candidates [begin, end) that overlap become contacts behind the n that are there. Stops at the first one
+/// on an exact surface, or at the end: returns that one. There must be room for contact n whoever touches.
 using FindKernel = std::int32_t (*)(const ContactArrays& arrays, const CandidateSpan& candidates,
                                     std::int32_t begin, std::int32_t end, Contact* contacts, std::int32_t& n);
 
@@ -60,8 +60,8 @@ struct ContactRun {
   const MaterialPair* pair = nullptr;
   bool ofBodies = false;
   bool onSurfaces = false;  ///< of round particles on exact surfaces; else both are round particles
-  /// Slots of the block's own rows. Contacts in others are told of by another block too: they are not counted,
-  /// and nothing is written of them but forces.
+  /// Slots of the block's own rows. Contacts in others are told of by another block too: they are not
+  /// counted, and nothing is written of them but forces.
   std::int32_t firstSlot = 0, endSlot = 0;
   /// Of the chunk. Behind its end the last is said again until there are a multiple of kContactsPerPack.
   std::span<const std::int32_t> which;
@@ -92,8 +92,8 @@ struct ContactChunk {
   const VectorRow* torques = nullptr;
 };
 
-/// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums` on.
-/// Behind them is room for one more, of what goes elsewhere.
+/// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums`
+/// on. Behind them is room for one more, of what goes elsewhere.
 using AddKernel = void (*)(const ContactArrays& arrays, const ContactChunk& chunk, std::int32_t firstPatch,
                            std::int32_t patchCount, PatchWrench* sums);
 
@@ -130,9 +130,8 @@ using PlaceKernel = PlacedExtremes (*)(const PlaceArrays& arrays, std::int32_t b
 
 /// Rates of the momenta of grains in places [begin, end), patches of the same numbers, from what contacts do
 /// to them, one after the other from `wrench` on, and gravity, m/s^2.
-using AccelerationKernel = void (*)(const OwnerRow* owners, const PatchWrench* wrench,
-                                    const Vector3& gravity, std::int32_t begin, std::int32_t end,
-                                    double* rates);
+using AccelerationKernel = void (*)(const OwnerRow* owners, const PatchWrench* wrench, const Vector3& gravity,
+                                    std::int32_t begin, std::int32_t end, double* rates);
 
 /// Fills ContactArrays::lawRows of the candidates in a run.
 using LawKernel = void (*)(const ContactArrays& arrays, const ContactRun& run);

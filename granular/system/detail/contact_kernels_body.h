@@ -54,20 +54,17 @@ Vector3Of<P> displacementsOf(const ContactArrays& arrays, const Entries<P>& entr
 template <class P>
 void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::int32_t* contact,
                  const Entries<P>& entry, const ContactMemoryOf<P>& memory, const MaskOf<P>& touches) {
-
   const auto ifTouching = [&](const P& value) { return select(touches, value, 0.0); };
   const Vector3Of<P>&D = memory.displacement, &next = memory.nextRate;
-  forRows<P>({ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
-             [&](int lane, const Four& row) {
-               storeFour(row, run.memory[contact[lane]].displacement.data());
-             });
+  forRows<P>(
+      {ifTouching(D.x()), ifTouching(D.y()), ifTouching(D.z()), ifTouching(memory.stiffness)},
+      [&](int lane, const Four& row) { storeFour(row, run.memory[contact[lane]].displacement.data()); });
   forRows<P>({ifTouching(memory.loss), ifTouching(memory.heating),
               ifTouching(select(memory.slides, P(1.0), 0.0)), ifTouching(P(1.0))},
              [&](int lane, const Four& row) { storeFour(row, &run.memory[contact[lane]].loss); });
   if (!arrays.at.poseRates) return;
-  forRows<P>({next.x(), next.y(), next.z(), P(0.0)}, [&](int lane, const Four& row) {
-    storeFour(row, run.nextRates[contact[lane]].vector.data());
-  });
+  forRows<P>({next.x(), next.y(), next.z(), P(0.0)},
+             [&](int lane, const Four& row) { storeFour(row, run.nextRates[contact[lane]].vector.data()); });
   for (int lane = 0; lane < P::kSize; ++lane) {
     if (entry[lane] < 0 || !touches[lane] || !run.isOwn(run.contacts[contact[lane]])) continue;
     double* rate = arrays.displacementRates + 3 * std::int64_t{entry[lane]};
@@ -157,8 +154,7 @@ void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double sma
   gatherMeetings(arrays, run, first, rows);
   PackMeeting<P> meeting = meetingOf(rows);
   ContactGeometryOf<P>& g = meeting.g;
-  const auto [normal, shear] =
-      PairConstants<Normal, Shear, P>::from(*run.pair, smallestForce, rows.of(kLaw));
+  const auto [normal, shear] = PairConstants<Normal, Shear, P>::from(*run.pair, smallestForce, rows.of(kLaw));
   const std::int32_t* contact = run.which.data() + first;  // laws with memory ask who they are
 
   const auto touches = g.xi > 0.0;  // rounding may disagree with findContacts
@@ -184,9 +180,8 @@ void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double sma
              [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].force.data()); });
   forRows<P>({torque2.x(), torque2.y(), torque2.z(), g.xi},
              [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].torque.data()); });
-  forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)}, [&](int lane, const Four& row) {
-    storeFour(row, run.torques[first + lane].vector.data());
-  });
+  forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)},
+             [&](int lane, const Four& row) { storeFour(row, run.torques[first + lane].vector.data()); });
 
   const P xiDot = g.V.dot(g.N);
   NormalConstantsOf<P> pressing = normal;
@@ -206,8 +201,8 @@ GRANULAR_KERNEL void forcesOfRun(const ContactArrays& arrays, const ContactRun& 
   static_assert(kContactsPerPack % P::kSize == 0);
   const auto count = static_cast<std::int32_t>(run.which.size());
   for (std::int32_t n = 0; n < count; n += P::kSize) {
-    forcesOfPack<Normal, Shear, P, kMovesOnlySpheres, kOnSurfaces>(arrays, run, smallestForce, n,
-                                                                   count - n, packed);
+    forcesOfPack<Normal, Shear, P, kMovesOnlySpheres, kOnSurfaces>(arrays, run, smallestForce, n, count - n,
+                                                                   packed);
   }
   for (int lane = 0; lane < Pack::kSize; ++lane) {
     extremes.urgency = std::max(extremes.urgency, packed.urgency[lane]);

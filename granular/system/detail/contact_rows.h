@@ -69,7 +69,8 @@ struct ContactRange {
   std::int32_t first, last;
 };
 
-/// A contact that remembers (eq. 19); its displacement is in the state vector. Numbers, as they are read whole.
+/// A contact that remembers (eq. 19); its displacement is in the state vector. Numbers, as they are read
+/// whole.
 struct alignas(32) MemoryEntry {
   double stiffness = 0.0;  ///< of its spring when the last sub-step was accepted, N/m
   double slides = 0.0;     ///< then: 1, else 0

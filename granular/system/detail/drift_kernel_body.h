@@ -53,8 +53,8 @@ GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t
   const auto step = [](const Vector3Of<Pack>& v, double t, const FourPacks<Pack>& rate) -> Vector3Of<Pack> {
     return {v.first + t * rate.first, v.second + t * rate.second, v.third + t * rate.third};
   };
-  for (std::int64_t i = std::int64_t{begin} * state::kMomentaSize; i < std::int64_t{end} * state::kMomentaSize;
-       ++i) {
+  for (std::int64_t i = std::int64_t{begin} * state::kMomentaSize;
+       i < std::int64_t{end} * state::kMomentaSize; ++i) {
     arrays.momentaTo[i] = arrays.momenta[i] + arrays.drift.kick * arrays.rates[i];
   }
   if (!arrays.turns) {

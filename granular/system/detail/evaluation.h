@@ -63,9 +63,9 @@ struct BlockContacts {
   std::vector<Contact> ownContacts;
   std::vector<std::int32_t> ownPositions;
   std::vector<ContactForce> ownForces;
-  std::vector<VectorRow> torques;         ///< of the chunk at hand
-  std::vector<SurfaceMeeting> surfaces;   ///< of contacts on surfaces
-  std::vector<PatchWrench> sums;          ///< by patch, and one more
+  std::vector<VectorRow> torques;        ///< of the chunk at hand
+  std::vector<SurfaceMeeting> surfaces;  ///< of contacts on surfaces
+  std::vector<PatchWrench> sums;         ///< by patch, and one more
 };
 
 class Evaluation {
@@ -162,7 +162,7 @@ class Evaluation {
   std::int64_t candidateCount() const { return list_.size(); }
   double relativeOverlap(const Contact& contact, double overlap) const;  ///< in smaller radii of the pair
   double elasticEnergy(const Contact& contact, const ContactForce& force) const;  ///< of the normal spring, J
-  Vector3 pointOf(const Contact& contact, const ContactForce& force) const;  ///< where it acts, m, world
+  Vector3 pointOf(const Contact& contact, const ContactForce& force) const;       ///< where it acts, m, world
   /// body(contact, its force) for every contact, by rank of particle 1, then of particle 2.
   template <class Body>
   void forEachContact(Body&& body) const {
@@ -304,8 +304,8 @@ class Evaluation {
   std::vector<PairLaw> pairLaws_;  // of any two kinds; none where there are many: made where one is asked for
   std::vector<double> lawRows_;    // by candidate of blocks_, as ContactArrays::lawRows
   bool lawRowsAreCurrent_ = false;
-  bool isUniform_ = false;         // all grains, all of one material: one rule
-  bool hasMemory_ = false;         // some pair remembers: otherwise nothing is stored for it
+  bool isUniform_ = false;  // all grains, all of one material: one rule
+  bool hasMemory_ = false;  // some pair remembers: otherwise nothing is stored for it
 
   // Contacts that are kept, as each block found them, those in rows of other blocks among them.
   bool keepsContacts_ = false;
@@ -318,7 +318,7 @@ class Evaluation {
   std::vector<std::int32_t> foundInBlock_;
   bool measuresContacts_ = false, contactsAreMeasured_ = false;
   std::vector<ContactTotals> contactTotals_;  // by rank
-  std::vector<ContactRange> contactsOfRow_;  // by slot of particle 1; once they are listed
+  std::vector<ContactRange> contactsOfRow_;   // by slot of particle 1; once they are listed
   std::vector<Extremes> extremesInBlock_;
   std::vector<StageSeconds> secondsInPiece_;
 
@@ -329,7 +329,7 @@ class Evaluation {
   struct Settled {
     double heat = 0.0, heating = 0.0;  // J, W: as ContactMemory's loss and heating
   };
-  std::vector<Settled> settledOfRank_;           // summed by rank, in which no re-sorting changes anything
+  std::vector<Settled> settledOfRank_;  // summed by rank, in which no re-sorting changes anything
   std::vector<std::int32_t> memoryOfCandidate_, memoryOfCandidateBefore_;  // -1: none
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there

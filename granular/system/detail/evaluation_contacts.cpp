@@ -167,8 +167,7 @@ Vector3 Evaluation::pointOf(const Contact& contact, const ContactForce& force) c
   const ParticleRow& b = particles_[contact.slot2];
   const Vector3 way = Vector3(b.x, b.y, b.z) - x1;
   const double distance = way.norm();
-  return x1 + (a.radius - 0.5 * force.overlap) *
-                  (distance > 0.0 ? Vector3(way / distance) : kAnyDirection);
+  return x1 + (a.radius - 0.5 * force.overlap) * (distance > 0.0 ? Vector3(way / distance) : kAnyDirection);
 }
 
 /// The constants of the normal law for one contact.
@@ -264,9 +263,9 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   });
 }
 
-/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces in runs of their own.
-/// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
-/// in vain.
+/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces in runs of their
+/// own. Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on
+/// many or in vain.
 template <class Body>
 void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const {
   struct Run {

@@ -83,13 +83,12 @@ void Evaluation::importMemory(const std::vector<RememberedContact>& memory, std:
     // view.
     if (rank1 < 0 || rank2 < 0) continue;
     const bool swapped = rank2 < rank1;
-    known.push_back(
-        {{.stiffness = contact.stiffness,
-          .slides = contact.slides ? 1.0 : 0.0,
-          .energy = granular::memoryEnergy<double>(contact.stiffness, contact.displacement),
-          .rank1 = std::min(rank1, rank2),
-          .rank2 = std::max(rank1, rank2)},
-         swapped ? Vector3(-contact.displacement) : contact.displacement});
+    known.push_back({{.stiffness = contact.stiffness,
+                      .slides = contact.slides ? 1.0 : 0.0,
+                      .energy = granular::memoryEnergy<double>(contact.stiffness, contact.displacement),
+                      .rank1 = std::min(rank1, rank2),
+                      .rank2 = std::max(rank1, rank2)},
+                     swapped ? Vector3(-contact.displacement) : contact.displacement});
   }
   std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) {
     return std::pair(a.first.rank1, a.first.rank2) < std::pair(b.first.rank1, b.first.rank2);

@@ -42,8 +42,7 @@ GRANULAR_KERNEL PlacedExtremes placeSpheres(const PlaceArrays& arrays, std::int3
     const FourPacks<Pack> linear = momentaOf(0), angular = momentaOf(2), particle = packsOf<Pack>(particleOf);
     const Pack inverseInertia = Pack([&](int lane) { return arrays.inverseInertia[at(lane)]; });
     const Vector3Of<Pack> v{linear.first, linear.second, linear.third};
-    const Vector3Of<Pack> w =
-        inverseInertia * Vector3Of<Pack>{angular.second, angular.third, angular.fourth};
+    const Vector3Of<Pack> w = inverseInertia * Vector3Of<Pack>{angular.second, angular.third, angular.fourth};
     speed = larger(speed, sqrt(v.squaredNorm()) + sqrt(w.squaredNorm()) * particle.fourth);
     if (arrays.listed != nullptr) {
       const FourPacks<Pack> then =
@@ -56,8 +55,7 @@ GRANULAR_KERNEL PlacedExtremes placeSpheres(const PlaceArrays& arrays, std::int3
       OwnerRow& owner = arrays.owners[at(lane)];
       double* spin = owner.angularVelocity.data();  // what lies behind it stays
       storeFour(withFourth(row, loadFour(spin)), spin);
-      const Four velocity =
-          loadFour(arrays.momenta + std::int64_t{at(lane)} * state::kMomentaSize);
+      const Four velocity = loadFour(arrays.momenta + std::int64_t{at(lane)} * state::kMomentaSize);
       storeFour(withFourth(velocity, loadFour(owner.velocity.data())), owner.velocity.data());
       storeFour(particleOf(lane), &arrays.particles[at(lane)].x);
     });

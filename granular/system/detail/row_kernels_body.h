@@ -19,8 +19,8 @@ FourIntegers loadFour(const std::int32_t* from) {
   return four;
 }
 
-/// Tests candidates, four side by side where it can. kSlotsArePlaces: of what moves. Everything by value: what
-/// is written could be any number, so that numbers elsewhere would be read again and again.
+/// Tests candidates, four side by side where it can. kSlotsArePlaces: of what moves. Everything by value:
+/// what is written could be any number, so that numbers elsewhere would be read again and again.
 template <bool kSlotsArePlaces>
 class CandidateTest {
  public:
