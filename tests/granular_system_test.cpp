@@ -187,6 +187,25 @@ TEST(GranularSystem, WrenchesOfOneStateSumToZero) {
   EXPECT_LT((after.angularMomentum - before.angularMomentum).norm(), 1e-6 * moment * dt + 1e-15);
 }
 
+TEST(GranularSystem, ReadingContactsChangesNoEnergy) {
+  GranularSystem system;
+  const MaterialId stone = system.addMaterial({});
+  const GrainShapeId sphere = system.addGrainShape(sphereShape(0.01));
+  system.addBody({.exact = HalfSpace{}, .material = stone});
+  for (int i = 0; i < 3; ++i) {
+    system.addGrain(
+        {.shape = sphere, .material = stone, .pose = {.position = {0.0, 0.0099 + 0.0198 * i, 0.0}}});
+  }
+  const StepReport before = system.step(1e-4);
+  ASSERT_GT(before.energy.elastic, 0.0);
+  std::vector<ContactView> contacts;
+  system.readContacts(contacts);
+  ASSERT_EQ(contacts.size(), 3u);
+  const StepReport after = system.measure();
+  EXPECT_EQ(after.energy.elastic, before.energy.elastic);
+  EXPECT_EQ(after.meanOverlap, before.meanOverlap);
+}
+
 TEST(GranularSystem, SpheresThatDoNotTurnMoveAsThoseThatDo) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::Leapfrog}) {
     std::vector<RigidMotion> motions[2];

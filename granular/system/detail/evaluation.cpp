@@ -342,6 +342,7 @@ void Evaluation::listContacts() {
   contactsAreListed_ = true;
   if (!contactsAreKept_) {
     contactsAreKept_ = true;
+    contactsAreMeasured_ = false;  // else they were added to their totals once more
     makeRoomForContacts(false);
     workOutAgain();
   }
