@@ -188,8 +188,6 @@ void Layout::assignSlots() {
   for (auto* bySlot : {&ownerOfSlot, &placeOfSlot, &rankOfSlot, &patchOfSlot, &slotOfRank}) {
     bySlot->resize(particleCount + surfaceCount());
   }
-  placeOfPatch.resize(patchCount);
-  slotOfPatch.resize(patchCount + 1);
   movesOnlySpheres = movingBodies() == 0;
   std::int32_t slot = 0, patch = 0;
   for (std::int32_t place = 0; place < ownerCount; ++place) {
@@ -203,10 +201,6 @@ void Layout::assignSlots() {
     owner.firstSlot = slotOfPlace[place] = slot;
     patchOfPlace[place] = patch;
     const std::int32_t patches = patchCountOf(o);
-    for (std::int32_t p = 0; p < patches; ++p) {
-      placeOfPatch[patch + p] = place;
-      slotOfPatch[patch + p] = slot + p * kParticlesPerPatch;
-    }
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(owner.particles.size()); ++k, ++slot) {
       const std::int32_t rank = owner.firstRank + k;
       ownerOfSlot[slot] = o;
@@ -218,7 +212,6 @@ void Layout::assignSlots() {
     patch += patches;
   }
   slotOfPlace[ownerCount] = slot;
-  slotOfPatch[patchCount] = movingParticles;
   patchOfPlace[ownerCount] = patch;
   for (std::int32_t s = 0; s < surfaceCount(); ++s) {
     const std::int32_t o = ownerOfSurface[s], at = particleCount + s;

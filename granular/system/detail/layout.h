@@ -142,8 +142,6 @@ struct Layout {
   // By slot.
   std::vector<std::int32_t> ownerOfSlot, placeOfSlot, rankOfSlot, patchOfSlot;
   std::vector<std::int32_t> slotOfRank;
-  // By patch: where its owner's row lies, and its first slot (one entry more than patches).
-  std::vector<std::int32_t> placeOfPatch, slotOfPatch;
   // Place: where an owner's row lies. Those of dynamic owners lie as their slots do, others by number.
   std::vector<std::int32_t> ownerOfPlace, placeOfOwner;
   std::vector<std::int32_t> slotOfPlace, patchOfPlace;  ///< the first ones; one entry more than owners
