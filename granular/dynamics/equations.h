@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "granular/base/parallel.h"
@@ -19,9 +20,10 @@ struct Moment {
   /// Runge-Kutta: 0. Splitting methods move the memory of contacts (Bell 2005, eq. 19) with the velocities
   /// that the evaluation sees, as they move poses.
   double memoryStep = 0.0;
-  /// Whether the rates of poses and memories are asked for; else the rate has no room for those of poses, and
-  /// those of memories stay zero.
+  /// Whether the rates of poses are asked for; else the rate has no room for them.
   bool poseRates = true;
+  /// Whether the rates of memories are asked for; else they stay as they are.
+  bool memoryRates = true;
 };
 
 /// Leading numbers of the state that its rate lacks: poses, where nobody asks for theirs.
@@ -36,6 +38,12 @@ struct Drift {
   double poseKick = 0.0;  ///< momenta that carry the poses along = those of the state + poseKick * rate
   double kick = 0.0;      ///< momenta for the evaluation = those of the state + kick * rate
   double memory = 0.0;    ///< the same for memories of contacts
+};
+
+/// So many seconds of a rate.
+struct RateTerm {
+  double weight;
+  const std::vector<double>* rate;
 };
 
 class Equations {
@@ -54,9 +62,13 @@ class Equations {
   virtual void drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
                      std::vector<double>& to) = 0;
 
-  /// Momenta and what adds up of `to` = those of y + first * rate0 + second * rate1; poses of `to` stay.
-  virtual void kick(const std::vector<double>& y, double first, const std::vector<double>& rate0,
-                    double second, const std::vector<double>& rate1, std::vector<double>& to) = 0;
+  /// Momenta and what adds up of `to` = those of y + the sum of two or three terms; poses of `to` stay.
+  virtual void kick(const std::vector<double>& y, std::span<const RateTerm> terms,
+                    std::vector<double>& to) = 0;
+
+  /// Poses of `to` move on by a little: as momenta would carry them in a second that are the sum of three
+  /// terms.
+  virtual void carry(std::span<const RateTerm> terms, std::vector<double>& to) = 0;
 
   /// `to` was summed up number by number from y, h seconds before. Brings it back to what it may be: unit
   /// quaternions, and exact turns of what nothing turned.

@@ -8,7 +8,8 @@ namespace granular {
 
 enum class Stepper : std::uint8_t {
   Rkf45,  ///< Runge-Kutta-Fehlberg 4(5), six evaluations a trial: the paper's, the default
-  /// Leapfrog with forces at predicted velocities, second order, one evaluation a trial.
+  /// Leapfrog with forces at predicted velocities, one evaluation a trial. Under error control what its
+  /// estimate says is taken off again: third order. With fixedSubStep second order, and energy has no trend.
   Leapfrog,
   Verlet,             ///< velocity Verlet as other DEM codes step, one evaluation; no error control
   SemiImplicitEuler,  ///< velocities, then positions with the new ones, one evaluation; no error control

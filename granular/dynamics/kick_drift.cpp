@@ -2,6 +2,7 @@
 #include "granular/dynamics/kick_drift.h"
 
 #include <algorithm>
+#include <array>
 
 namespace granular {
 namespace {
@@ -10,31 +11,66 @@ constexpr std::int64_t kNumbersPerPiece = 8192;  // of the state, handed to a th
 
 }  // namespace
 
-void KickDrift::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
+void KickDrift::trial(Equations& equations, const std::vector<double>& y, double t, double h, Goal goal) {
   result_.resize(y.size());
   lastRate_.resize(rateSize(equations, y));
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);
-  if (const double p = weightOfBefore(h); p > 0.0) {
-    equations.kick(y, (1.0 - p) * table_.kick * h, firstRate_, p * table_.kick * h, rateBefore_, result_);
+  const Plan plan = this->plan(h, goal);
+  if (const double p = plan.weightOfBefore; p != 0.0) {
+    equations.kick(y,
+                   std::array<RateTerm, 2>{
+                       {{(1.0 - p) * table_.kick * h, &firstRate_}, {p * table_.kick * h, &rateBefore_}}},
+                   result_);
   }
-  equations.evaluate(
-      {.time = t + h, .sinceTrial = h, .memoryStep = table_.memoryStep * h, .poseRates = needsPoseRates()},
-      result_, lastRate_);
-  equations.kick(y, table_.first * h, firstRate_, table_.second * h, lastRate_, result_);
-  if (table_.errorOrder == 0) return;
-  errors_.resize(equations.errorCount(y));
+  equations.evaluate({.time = t + h,
+                      .sinceTrial = h,
+                      .memoryStep = table_.memoryStep * h,
+                      .poseRates = needsPoseRates(),
+                      .memoryRates = needsMemoryRates()},
+                     result_, lastRate_);
+  if (plan.takesErrorOff) {
+    takeErrorOff(equations, y, h);
+  } else {
+    equations.kick(
+        y, std::array<RateTerm, 2>{{{table_.first * h, &firstRate_}, {table_.second * h, &lastRate_}}},
+        result_);
+  }
+  error_ = {};
+  if (table_.errorOrder == 0 || goal == Goal::FixedStep) return;
+  errors_.resize(equations.errorCount(y) - lackingOf(lastRate_, y));
   estimateError(equations.executor(), h);
   error_ = errors_;
 }
 
-/// Part of the acceleration before in the prediction: the least that bears the damping to be expected.
-double KickDrift::weightOfBefore(double h) const {
-  constexpr double kMost = 0.25;  // more would bear less again
+KickDrift::Plan KickDrift::plan(double h, Goal goal) const {
+  constexpr double kMost = 0.25;           // of the acceleration before; more would bear less again
+  constexpr double kCorrectedLimit = 1.1;  // as above, of trials whose error is taken off
+  constexpr double kMargin = 1.1;          // dense packings may be damped more than expected
+  if (!(lengthBefore_ > 0.0)) return {};
   const double damping = dampingRate_ * h;
-  if (!(lengthBefore_ > 0.0) || !(damping > table_.dampingLimit)) return 0.0;
-  return std::min(kMost, 0.5 * (1.0 - table_.dampingLimit / damping));
+  if (table_.errorOrder > 0 && goal == Goal::Accuracy && kMargin * damping < kCorrectedLimit) {
+    const double extrapolation = std::min(0.5, (kCorrectedLimit / (kMargin * damping) - 1.0) / 2.2);
+    return {.weightOfBefore = -extrapolation * h / lengthBefore_, .takesErrorOff = true};
+  }
+  if (!(damping > table_.dampingLimit)) return {};
+  return {.weightOfBefore = std::min(kMost, 0.5 * (1.0 - table_.dampingLimit / damping))};
+}
+
+/// The step by the parabola through the accelerations before, at the start and at the end.
+void KickDrift::takeErrorOff(Equations& equations, const std::vector<double>& y, double h) {
+  const double H = lengthBefore_, span = h * h / (h + H);
+  // The parabola's curvature times h^2: lastRate / h - firstRate (1 / h + 1 / H) + rateBefore / H, times
+  // span.
+  const double last = span / h, first = -span * (1.0 / h + 1.0 / H), before = span / H;
+  const auto terms = [&](double ofFirst, double ofLast, double ofCurvature) {
+    return std::array<RateTerm, 3>{{{ofFirst + ofCurvature * first, &firstRate_},
+                                    {ofLast + ofCurvature * last, &lastRate_},
+                                    {ofCurvature * before, &rateBefore_}}};
+  };
+  equations.kick(y, terms(h / 2.0, h / 2.0, -h / 6.0), result_);
+  equations.carry(terms(-h * h / 6.0, h * h / 6.0, -h * h / 12.0), result_);
 }
 
 /// What the trapezoidal rule leaves out, h^3/12 of the second derivative of the rate, which is taken from the

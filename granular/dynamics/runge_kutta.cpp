@@ -31,7 +31,7 @@ void RungeKutta::combine(const Executor& executor, const double* start, double h
   });
 }
 
-void RungeKutta::trial(Equations& equations, const std::vector<double>& y, double t, double h) {
+void RungeKutta::trial(Equations& equations, const std::vector<double>& y, double t, double h, Goal goal) {
   const Executor& executor = equations.executor();
   result_.resize(y.size());
   for (int s = 1; s < table_.stages; ++s) {
@@ -44,6 +44,8 @@ void RungeKutta::trial(Equations& equations, const std::vector<double>& y, doubl
   }
   combine(executor, y.data(), h, table_.b, result_);
   equations.finish(y, h, result_);
+  error_ = {};
+  if (goal == Goal::FixedStep) return;
   double difference[RungeKuttaTable::kMostStages];
   for (int s = 0; s < RungeKuttaTable::kMostStages; ++s) difference[s] = table_.b[s] - table_.other[s];
   // In place of the second rate, which nobody wants any more.

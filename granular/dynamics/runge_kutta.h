@@ -54,7 +54,7 @@ class RungeKutta final : public StepMethod {
  public:
   explicit RungeKutta(const RungeKuttaTable& table) : table_(table) {}
 
-  void trial(Equations& equations, const std::vector<double>& y, double t, double h) override;
+  void trial(Equations& equations, const std::vector<double>& y, double t, double h, Goal goal) override;
   bool accept(double h) override;
   int errorOrder() const override { return table_.errorOrder; }
   double dampingLimit() const override { return table_.dampingLimit; }

@@ -11,6 +11,7 @@ void StepMethod::start(Equations& equations, const Moment& at, const std::vector
   firstRate_.resize(rateSize(equations, y));
   Moment moment = at;
   moment.poseRates = needsPoseRates();
+  moment.memoryRates = needsMemoryRates();
   equations.evaluate(moment, y, firstRate_);
 }
 

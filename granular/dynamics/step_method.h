@@ -20,8 +20,15 @@ class StepMethod {
   /// First rate of every trial that starts from y at this moment; forgets what was known before.
   void start(Equations& equations, const Moment& at, const std::vector<double>& y);
 
+  /// What a trial is for.
+  enum class Goal {
+    Accuracy,  ///< error() is asked for, where there is an estimate
+    /// It is accepted whatever its error: none is worked out, and steppers that keep energies do.
+    FixedStep,
+  };
+
   /// Tries the step from (y, t) to t + h. Needs firstRate() there. Changes nothing but result() and error().
-  virtual void trial(Equations& equations, const std::vector<double>& y, double t, double h) = 0;
+  virtual void trial(Equations& equations, const std::vector<double>& y, double t, double h, Goal goal) = 0;
 
   /// The last trial, of length h, is the state from now on. Returns whether firstRate() is that of the new
   /// state already, else start() has to be called before the next trial.
@@ -42,12 +49,18 @@ class StepMethod {
 
   /// Whether its trials read the rates of poses; else its rates lack them.
   virtual bool needsPoseRates() const { return true; }
+  /// Whether they read those of memories.
+  virtual bool needsMemoryRates() const { return true; }
+  /// Whether the next trial is planned with less than this knows later on: nothing of what was before.
+  virtual bool isFresh() const { return false; }
   /// Rates that it keeps from one trial to the next: for whoever puts the state into another order.
   virtual std::vector<std::vector<double>*> kept() { return {&firstRate_}; }
 
   std::vector<double>& firstRate() { return firstRate_; }
-  std::vector<double>& result() { return result_; }         ///< state at t + h
-  std::span<const double> error() const { return error_; }  ///< of its leading numbers, same units
+  std::vector<double>& result() { return result_; }  ///< state at t + h
+  /// Of its leading numbers, same units, less those of poses if the rates lack them. Empty after a trial that
+  /// estimates none.
+  std::span<const double> error() const { return error_; }
 
  protected:
   virtual void forget() {}

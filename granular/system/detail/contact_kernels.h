@@ -72,7 +72,7 @@ struct ContactRun {
   const Contact* contacts = nullptr;
   const SurfaceMeeting* surfaces = nullptr;  ///< [Contact::surface] of the block
   SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
-  VectorRow* nextRates = nullptr;  ///< as ContactMemoryOf::nextRate, m/s; to be filled with Moment::poseRates
+  VectorRow* nextRates = nullptr;  ///< as ContactMemoryOf::nextRate, m/s; to be filled with Moment::memoryRates
   // Of the run.
   ContactForce* forces = nullptr;  ///< to be filled by ForceKernel
   VectorRow* torques = nullptr;    ///< of forces about the centres of owners 1, N m, world; to be filled

@@ -62,7 +62,7 @@ void storeMemory(const ContactArrays& arrays, const ContactRun& run, const std::
   forRows<P>({ifTouching(memory.loss), ifTouching(memory.heating),
               ifTouching(select(memory.slides, P(1.0), 0.0)), ifTouching(P(1.0))},
              [&](int lane, const Four& row) { storeFour(row, &run.memory[contact[lane]].loss); });
-  if (!arrays.at.poseRates) return;
+  if (!arrays.at.memoryRates) return;
   forRows<P>({next.x(), next.y(), next.z(), P(0.0)},
              [&](int lane, const Four& row) { storeFour(row, run.nextRates[contact[lane]].vector.data()); });
   for (int lane = 0; lane < P::kSize; ++lane) {

@@ -292,12 +292,12 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
 /// one stage leaves is near when the next one wants it.
 void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<double>& y,
                               std::vector<double>& rate) {
-  if (hasMemory_ && arrays.at.poseRates)
-    std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
+  memoryHasRates_ = hasMemory_ && arrays.at.memoryRates;
   contactsAreKept_ = keepsContacts_ || hasMemory_;
+  if (memoryHasRates_) std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   contactsAreListed_ = false;
   contactsAreMeasured_ = measuresContacts_;
-  if (contactsAreKept_) makeRoomForContacts(arrays.at.poseRates);
+  if (contactsAreKept_) makeRoomForContacts();
   if (contactsAreMeasured_) contactTotals_.assign(layout_.dynamicParticles, {});
   extremesInBlock_.resize(blockCount());
   forTimedPieces(blockCount(), [&](std::int32_t block, PieceClock& clock) {
@@ -343,7 +343,7 @@ void Evaluation::listContacts() {
   if (!contactsAreKept_) {
     contactsAreKept_ = true;
     contactsAreMeasured_ = false;  // else they were added to their totals once more
-    makeRoomForContacts(false);
+    makeRoomForContacts();
     workOutAgain();
   }
   contactsOfRow_.resize(layout_.dynamicParticles);

@@ -59,7 +59,7 @@ struct BlockContacts {
   std::int32_t* position = nullptr;  ///< of a contact's force
   ContactForce* forces = nullptr;
   SettledMemory* memory = nullptr;  ///< where some remember
-  VectorRow* nextRates = nullptr;   ///< the same, with Moment::poseRates
+  VectorRow* nextRates = nullptr;   ///< the same, with Moment::memoryRates
   std::vector<Contact> ownContacts;
   std::vector<std::int32_t> ownPositions;
   std::vector<ContactForce> ownForces;
@@ -139,6 +139,8 @@ class Evaluation {
     return {ball.x, ball.y, ball.z};
   }
   const Matrix3& rotation(std::int32_t body) const { return rotationOf(body); }
+  /// Farthest particle surface from the centre of the owner in this place, m.
+  double reachAt(std::int32_t place) const { return ballAt(place).radius; }
   std::span<const ParticleRow> particlesOf(const Owner& owner) const {
     return std::span(particles_).subspan(owner.firstSlot, owner.particles.size());
   }
@@ -186,7 +188,7 @@ class Evaluation {
   void findSurfaceContact(std::int32_t candidate, BlockContacts& found);
   ContactChunk computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
                                     const ContactArrays& arrays, BlockContacts& found, Extremes& extremes);
-  void makeRoomForContacts(bool wantsRates);
+  void makeRoomForContacts();
   void layOut(std::int32_t block, BlockContacts& found);
   void listContactsOf(std::int32_t block);
   void measureContactsOf(std::int32_t block, const ContactChunk& chunk);
@@ -315,6 +317,7 @@ class Evaluation {
   std::vector<ContactForce> forces_;
   std::vector<SettledMemory> contactMemory_;
   std::vector<VectorRow> nextRates_;
+  bool memoryHasRates_ = false;  // the last evaluation worked them out
   std::vector<std::int32_t> foundInBlock_;
   bool measuresContacts_ = false, contactsAreMeasured_ = false;
   std::vector<ContactTotals> contactTotals_;  // by rank

@@ -228,8 +228,8 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
                          .heating = memory.heating,
                          .slides = memory.slides ? 1.0 : 0.0,
                          .touches = 1.0};
-    if (arrays.at.poseRates) run.nextRates[which].vector = memory.nextRate;
-    if (entry >= 0 && arrays.at.poseRates && run.isOwn(contact)) {
+    if (arrays.at.memoryRates) run.nextRates[which].vector = memory.nextRate;
+    if (entry >= 0 && arrays.at.memoryRates && run.isOwn(contact)) {
       Eigen::Map<Vector3>(arrays.displacementRates + 3 * entry) = memory.rate;
     }
   }
@@ -340,7 +340,7 @@ ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t f
     run.surfaces = found.surfaces.data();
     if (hasMemory_) {
       run.memory = found.memory + first;
-      if (arrays.at.poseRates) run.nextRates = found.nextRates + first;
+      if (arrays.at.memoryRates) run.nextRates = found.nextRates + first;
     }
     run.forces = forces + to;
     run.torques = found.torques.data() + to;
@@ -407,7 +407,7 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
   return found.sums.data();
 }
 
-void Evaluation::makeRoomForContacts(bool wantsRates) {
+void Evaluation::makeRoomForContacts() {
   const auto most = static_cast<std::size_t>(firstKept(blockCount()));
   if (contacts_.size() != most) {
     resizeAnew(contacts_, most);
@@ -415,7 +415,7 @@ void Evaluation::makeRoomForContacts(bool wantsRates) {
     resizeAnew(forces_, most);
   }
   if (hasMemory_ && contactMemory_.size() != most) resizeAnew(contactMemory_, most);
-  if (hasMemory_ && wantsRates && nextRates_.size() != most) resizeAnew(nextRates_, most);
+  if (memoryHasRates_ && nextRates_.size() != most) resizeAnew(nextRates_, most);
   foundInBlock_.resize(blockCount());
 }
 
@@ -431,7 +431,7 @@ void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
     found.forces = forces_.data() + first;
     if (hasMemory_) {
       found.memory = contactMemory_.data() + first;
-      found.nextRates = nextRates_.empty() ? nullptr : nextRates_.data() + first;
+      found.nextRates = memoryHasRates_ ? nextRates_.data() + first : nullptr;
     }
     return;
   }

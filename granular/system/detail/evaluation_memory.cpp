@@ -155,7 +155,7 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
 void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::vector<double>& rate) {
   std::fill(memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block]],
             memoryOfCandidate_.begin() + list_.rowStart()[firstSlotOfBlock_[block + 1]], -1);
-  const bool hasRates = lackingOf(rate, y) == 0;
+  const std::size_t lacking = lackingOf(rate, y);
   const auto put = [](const Vector3& v, double* to) { std::copy_n(v.data(), 3, to); };
   std::int32_t m = entriesInBlock_[block];
   forRemembered(block, [&](std::int32_t n) {
@@ -173,7 +173,7 @@ void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::ve
                   .rank1 = rank,
                   .rank2 = layout_.rankOfSlot[contact.slot2]};
     put(memory.displacement, y.data() + stateSize() + 3 * m);
-    if (hasRates) put(nextRates_[n].vector, rate.data() + stateSize() + 3 * m);
+    if (memoryHasRates_) put(nextRates_[n].vector, rate.data() + (stateSize() - lacking) + 3 * m);
     ++m;
   });
 }

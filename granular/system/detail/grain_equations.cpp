@@ -82,17 +82,48 @@ void GrainEquations::drift(const Drift& drift, const std::vector<double>& y, con
                        });
 }
 
-void GrainEquations::kick(const std::vector<double>& y, double first, const std::vector<double>& rate0,
-                          double second, const std::vector<double>& rate1, std::vector<double>& to) {
+void GrainEquations::kick(const std::vector<double>& y, std::span<const RateTerm> terms,
+                          std::vector<double>& to) {
   const StageTimer timer(evaluation_.stageSeconds[static_cast<int>(Stage::AdvanceState)]);
   const std::size_t from = evaluation_.layout().firstMomentum();
-  const std::size_t lacking = lackingOf(rate0, y);  // both are of one stepper
+  const std::size_t lacking = lackingOf(*terms[0].rate, y);  // all are of one stepper
+  const auto rateOf = [&](std::size_t term) { return terms[term].rate->data() - lacking; };
+  const double w0 = terms[0].weight, w1 = terms[1].weight, w2 = terms.size() > 2 ? terms[2].weight : 0.0;
+  const double *r0 = rateOf(0), *r1 = rateOf(1), *r2 = terms.size() > 2 ? rateOf(2) : nullptr;
   executor().forRanges(static_cast<std::int64_t>(evaluation_.stateSize() - from), kNumbersPerPiece,
                        [&](std::int64_t begin, std::int64_t end) {
-                         for (std::size_t i = from + begin; i < from + end; ++i) {
-                           to[i] = y[i] + first * rate0[i - lacking] + second * rate1[i - lacking];
+                         const std::size_t last = from + end;
+                         if (r2 == nullptr) {
+                           for (std::size_t i = from + begin; i < last; ++i)
+                             to[i] = y[i] + w0 * r0[i] + w1 * r1[i];
+                         } else {
+                           for (std::size_t i = from + begin; i < last; ++i) {
+                             to[i] = y[i] + w0 * r0[i] + w1 * r1[i] + w2 * r2[i];
+                           }
                          }
                        });
+}
+
+void GrainEquations::carry(std::span<const RateTerm> terms, std::vector<double>& to) {
+  const StageTimer timer(evaluation_.stageSeconds[static_cast<int>(Stage::AdvanceState)]);
+  const Layout& layout = evaluation_.layout();
+  const std::size_t lacking = lackingOf(*terms[0].rate, to);
+  executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t place = begin; place < end; ++place) {
+      const auto rateOf = [&](int term) { return layout.ratesAt(place, terms[term].rate->data(), lacking); };
+      const auto sumOf = [&](auto&& what) -> Vector3 {
+        return terms[0].weight * what(rateOf(0)) + terms[1].weight * what(rateOf(1)) +
+               terms[2].weight * what(rateOf(2));
+      };
+      const auto out = layout.numbersAt(place, to.data());
+      out.position() += sumOf([](const auto& rate) { return rate.velocity(); });
+      if (!turnsSpheres_ && layout.isSphere[place]) continue;
+      const Vector3 kick = sumOf([](const auto& rate) { return rate.angularMomentum(); });
+      const Quaternion orientation = out.orientation();
+      const Vector3 angle = angularVelocityOf(layout.owners[layout.ownerOfPlace[place]], orientation, kick);
+      out.setOrientation((turnBy(angle) * orientation).normalized());
+    }
+  });
 }
 
 void GrainEquations::finish(const std::vector<double>& y, double h, std::vector<double>& to) {

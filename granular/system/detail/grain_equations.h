@@ -15,8 +15,8 @@ class GrainEquations final : public Equations {
   void evaluate(const Moment& at, const std::vector<double>& y, std::vector<double>& rate) override;
   void drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
              std::vector<double>& to) override;
-  void kick(const std::vector<double>& y, double first, const std::vector<double>& rate0, double second,
-            const std::vector<double>& rate1, std::vector<double>& to) override;
+  void kick(const std::vector<double>& y, std::span<const RateTerm> terms, std::vector<double>& to) override;
+  void carry(std::span<const RateTerm> terms, std::vector<double>& to) override;
   void finish(const std::vector<double>& y, double h, std::vector<double>& to) override;
   const Executor& executor() const override { return evaluation_.executor(); }
   std::size_t poseCount() const override { return evaluation_.layout().firstMomentum(); }

@@ -45,6 +45,11 @@ constexpr double kDampingPerContact = 10.0;
 constexpr int kOldRate = 16;
 constexpr double kMoreContacts = 1.1;
 
+// Of its bound, the first trial of a stepper that estimates errors by what was before: it knows too little of
+// its own. Of 4,096 spheres flowing leapfrog took 52 evaluations for a true error of 1e-3 radii without, 47
+// with.
+constexpr double kFreshShare = 0.5;
+
 // Beyond IntegratorDef::trialLimit errors may be this much larger.
 constexpr double kLooseTolerance = 1000.0;
 
@@ -122,20 +127,24 @@ bool GranularSystem::Impl::isResultFinite() {
 /// finite.
 double GranularSystem::Impl::scaledError() {
   const detail::Layout& layout = evaluation.layout();
-  if (stepper->errorOrder() == 0) return isResultFinite() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   const std::span<const double> numbers = stepper->error();
+  if (numbers.empty()) return isResultFinite() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  const std::size_t withPoses = layout.dynamicCount() * std::size_t{state::kSize};
+  const std::size_t lacking = withPoses - numbers.size();
   wayOfOwner.resize(layout.dynamicCount());
   evaluation.executor().forRanges(
       layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t place = begin; place < end; ++place) {
           const std::int32_t o = layout.ownerOfPlace[place];
-          const detail::Owner& owner = layout.owners[o];
-          const auto error = layout.numbersAt(place, numbers.data());
-          const double turn = 2.0 * error.orientation().norm();
-          const double spin = error.angularMomentum().norm() * owner.inverseInertia.maxCoeff();
-          const double speed = error.velocity().norm() + spin * owner.reach;
-          wayOfOwner[o] = error.position().norm() + turn * owner.reach;
-          raise(wayOfOwner[o], contactTimeAtReference * speed);
+          const auto error = layout.ratesAt(place, numbers.data(), lacking);
+          const double reach = evaluation.reachAt(static_cast<std::int32_t>(place));
+          const double isotropic = layout.isotropicInverseInertia[place];
+          const double inverseInertia =
+              isotropic > 0.0 ? isotropic : layout.owners[o].inverseInertia.maxCoeff();
+          const double spin = error.angularMomentum().norm() * inverseInertia;
+          double way = contactTimeAtReference * (error.velocity().norm() + spin * reach);
+          if (lacking == 0) raise(way, error.position().norm() + 2.0 * error.orientation().norm() * reach);
+          wayOfOwner[o] = way;
         }
       });
   // Summed in the order of owners, which no sorting changes.
@@ -187,6 +196,7 @@ GranularSystem::Impl::Trial GranularSystem::Impl::planTrial(double dt, double re
   const std::int64_t trials = report.subSteps + report.rejectedTrials;
   const bool isOver = trials >= 2 * std::int64_t{integrator.trialLimit};
   double bound = trialBound(startSummary);
+  if (stepper->isFresh()) bound *= kFreshShare;
   if (isOver) {
     bound = std::max(bound, dt / integrator.trialLimit);
     trial.length = std::min(remaining, bound);
@@ -265,7 +275,9 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     if (startSummary.urgency > 0.0) {
       stepper->expectDamping(kDampingPerContact / contactTimeOfUrgency(startSummary.urgency));
     }
-    stepper->trial(equations, y, t, trial.length);
+    using Goal = StepMethod::Goal;
+    stepper->trial(equations, y, t, trial.length,
+                   integrator.fixedSubStep > 0.0 ? Goal::FixedStep : Goal::Accuracy);
 
     const auto stepStart = Clock::now();
     const double error = scaledError() / (trial.isLoose ? kLooseTolerance : 1.0);
