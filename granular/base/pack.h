@@ -13,7 +13,9 @@
 
 #include "granular/base/pose.h"
 
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+#define GRANULAR_ISA avx512
+#elif defined(__AVX2__)
 #define GRANULAR_ISA avx2
 #else
 #define GRANULAR_ISA baseline

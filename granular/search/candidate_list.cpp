@@ -13,20 +13,6 @@ namespace {
 // Large enough that handing out pieces costs nothing.
 constexpr std::int32_t kVoxelsPerPiece = 256;
 
-/// Tags of those in a run that are near and have a higher tag go to hits; returns the end of them.
-/// No branch: which of some fifty are near, no processor guesses.
-std::uint64_t* findNear(const SpatialHash& hash, const SpatialHash::Run& run, const Vector3& center,
-                        double reach, std::uint64_t tag, std::uint64_t* hits) {
-  const double *x = hash.x().data(), *y = hash.y().data(), *z = hash.z().data(), *r = hash.reach().data();
-  const std::uint64_t* tags = hash.tag().data();
-  for (std::int32_t k = run.begin; k < run.end; ++k) {
-    const double dx = x[k] - center.x(), dy = y[k] - center.y(), dz = z[k] - center.z(), sum = reach + r[k];
-    *hits = tags[k];
-    hits += (dx * dx + dy * dy + dz * dz < sum * sum) & (tags[k] > tag);
-  }
-  return hits;
-}
-
 std::int64_t sizeOf(const std::vector<SpatialHash::Run>& runs) {
   std::int64_t size = 0;
   for (const SpatialHash::Run& run : runs) size += run.end - run.begin;
@@ -40,6 +26,19 @@ bool isNear(const SearchInput& input, std::int32_t s, const Vector3& p, double r
 }
 
 }  // namespace
+
+/// No branch: which of some fifty are near, no processor guesses.
+std::uint64_t* findNear(const SpatialHash& hash, const SpatialHash::Run& run, const Vector3& center,
+                        double reach, std::uint64_t tag, std::uint64_t* hits) {
+  const double *x = hash.x().data(), *y = hash.y().data(), *z = hash.z().data(), *r = hash.reach().data();
+  const std::uint64_t* tags = hash.tag().data();
+  for (std::int32_t k = run.begin; k < run.end; ++k) {
+    const double dx = x[k] - center.x(), dy = y[k] - center.y(), dz = z[k] - center.z(), sum = reach + r[k];
+    *hits = tags[k];
+    hits += (dx * dx + dy * dy + dz * dz < sum * sum) & (tags[k] > tag);
+  }
+  return hits;
+}
 
 std::uint64_t MeetingRules::pairKey(std::int32_t a, std::int32_t b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
@@ -148,7 +147,7 @@ void CandidateList::searchGroup(const Group& group, const SearchInput& input, Cu
   if (!input.surfaces.empty()) findSurfaces(group, input, piece.surfaces, piece.nearSurfaces);
   const std::int64_t tests = sizeOf(piece.movingRuns) + sizeOf(piece.fixedRuns);
   piece.tests += tests * group.count;
-  piece.hits.resize(tests + 1);
+  piece.hits.resize(tests + kHitsBeyond);
   for (std::int32_t at = group.begin; at < group.end; ++at) {
     if (SpatialHash::slotOf(moving_.tag()[at]) < input.dynamicCount) searchParticle(at, input, piece);
   }
@@ -160,8 +159,8 @@ void CandidateList::searchParticle(std::int32_t at, const SearchInput& input, Pi
   const std::uint64_t tag = moving_.tag()[at];
   const std::int32_t slot = SpatialHash::slotOf(tag), owner = input.owner[slot];
   std::uint64_t *const first = piece.hits.data(), *last = first;
-  for (const Run& run : piece.movingRuns) last = findNear(moving_, run, center, reach, tag, last);
-  for (const Run& run : piece.fixedRuns) last = findNear(fixed_, run, center, reach, tag, last);
+  for (const Run& run : piece.movingRuns) last = input.findNear(moving_, run, center, reach, tag, last);
+  for (const Run& run : piece.fixedRuns) last = input.findNear(fixed_, run, center, reach, tag, last);
   last = std::remove_if(first, last, [&](std::uint64_t hit) {
     const std::int32_t other = input.owner[SpatialHash::slotOf(hit)];
     return other == owner || !(everythingMeets_ || (input.rules->mayMeet(owner, other) &&

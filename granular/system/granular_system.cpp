@@ -384,7 +384,7 @@ Wrench GranularSystem::contactWrench(BodyId id) {
   s.body(id);
   s.prepare();
   s.evaluateNow(0.0);
-  s.evaluation.listContacts();
+  s.evaluation.listContacts(s.y);
   const detail::Layout& layout = s.evaluation.layout();
   const std::int32_t owner = s.ownerOfBody[id.index];
   const Vector3 center = s.bodies[id.index].motion.pose.position;
@@ -574,7 +574,7 @@ void GranularSystem::readContacts(std::vector<ContactView>& contacts) {
   contacts.clear();
   impl_->prepare();
   impl_->evaluateNow(0.0);
-  impl_->evaluation.listContacts();
+  impl_->evaluation.listContacts(impl_->y);
   const detail::Layout& layout = impl_->evaluation.layout();
   impl_->evaluation.forEachContact([&](const detail::Contact& contact, const detail::ContactForce& f) {
     ContactView view;

@@ -9,7 +9,7 @@ namespace granular::detail {
 
 extern const ContactKernels kBaselineKernels;
 #ifdef GRANULAR_DISPATCH
-extern const ContactKernels kAvx2Kernels;
+extern const ContactKernels kAvx2Kernels, kAvx512Kernels;
 #endif
 
 std::span<const ContactKernels* const> availableContactKernels() {
@@ -17,6 +17,10 @@ std::span<const ContactKernels* const> availableContactKernels() {
     std::vector<const ContactKernels*> available = {&kBaselineKernels};
 #ifdef GRANULAR_DISPATCH
     if (__builtin_cpu_supports("avx2")) available.push_back(&kAvx2Kernels);
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
+      available.push_back(&kAvx512Kernels);
+    }
 #endif
     return available;
   }();

@@ -14,7 +14,7 @@
 #include "granular/contact/law_list.h"
 #include "granular/contact/pair_law.h"
 #include "granular/dynamics/equations.h"
-#include "granular/search/spatial_hash.h"
+#include "granular/search/candidate_list.h"
 #include "granular/system/detail/contact_rows.h"
 
 namespace granular::detail {
@@ -49,12 +49,16 @@ struct CandidateSpan {
   const std::int32_t *row, *partner;  ///< slots of particles 1 and 2
 };
 
+/// The most that a kernel works on at a time; a power of two.
+inline constexpr std::int32_t kContactsPerPack = 32;
+
 /// Candidates [begin, end) that overlap become contacts behind the n that are there. Stops at the first one
-/// on an exact surface, or at the end: returns that one. There must be room for contact n whoever touches.
+/// on an exact surface, or at the end: returns that one. There must be room for kContactsPerPack contacts
+/// more than there are.
 using FindKernel = std::int32_t (*)(const ContactArrays& arrays, const CandidateSpan& candidates,
                                     std::int32_t begin, std::int32_t end, Contact* contacts, std::int32_t& n);
 
-/// Contacts under one rule, some of a chunk. What is known of them, and what they do, lies in the order in
+/// Contacts under one rule, some of a block. What is known of them, and what they do, lies in the order in
 /// which `which` names them.
 struct ContactRun {
   const MaterialPair* pair = nullptr;
@@ -63,33 +67,36 @@ struct ContactRun {
   /// Slots of the block's own rows. Contacts in others are told of by another block too: they are not
   /// counted, and nothing is written of them but forces.
   std::int32_t firstSlot = 0, endSlot = 0;
-  /// Of the chunk. Behind its end the last is said again until there are a multiple of kContactsPerPack.
+  /// Of the block. Behind its end some are said again, or others that are there, until there are a multiple
+  /// of kContactsPerPack.
   std::span<const std::int32_t> which;
   bool isOwn(const Contact& contact) const {
     return (contact.slot1 >= firstSlot) & (contact.slot1 < endSlot);
   }
-  // Of the chunk.
+  // Of the block.
   const Contact* contacts = nullptr;
-  const SurfaceMeeting* surfaces = nullptr;  ///< [Contact::surface] of the block
+  const SurfaceMeeting* surfaces = nullptr;  ///< [Contact::surface]
   SettledMemory* memory = nullptr;           ///< to be filled under laws with memory
-  VectorRow* nextRates = nullptr;  ///< as ContactMemoryOf::nextRate, m/s; to be filled with Moment::memoryRates
+  VectorRow* nextRates =
+      nullptr;  ///< as ContactMemoryOf::nextRate, m/s; to be filled with Moment::memoryRates
   // Of the run.
   ContactForce* forces = nullptr;  ///< to be filled by ForceKernel
   VectorRow* torques = nullptr;    ///< of forces about the centres of owners 1, N m, world; to be filled
 };
-/// The most that a kernel works on at a time; a power of two.
-inline constexpr std::int32_t kContactsPerPack = 16;
 
 /// The forces of a run.
 using ForceKernel = void (*)(const ContactArrays& arrays, const ContactRun& run, Extremes& extremes);
 
-/// Contacts side by side, few enough to stay in the nearest cache, and where what they do is found.
+/// Contacts side by side, few enough to stay in the nearest cache, and where what they do is found: in forces
+/// those of a block on surfaces come first, then the others as they lie in runs; so in torques, but that
+/// there `shift` of the others are lacking.
 struct ContactChunk {
   std::int32_t count = 0;
   const Contact* contacts = nullptr;
-  const std::int32_t* position = nullptr;  ///< in forces and torques, which lie as runs do
+  const std::int32_t* position = nullptr;  ///< in forces
   const ContactForce* forces = nullptr;
   const VectorRow* torques = nullptr;
+  std::int32_t surfaceCount = 0, shift = 0;
 };
 
 /// Adds what contacts do to patches [firstPatch, firstPatch + patchCount), one after the other from `sums`
@@ -147,6 +154,7 @@ struct ForceKernels {
 
 struct ContactKernels {
   const char* processor;  ///< what it is for
+  FindNear findNear;
   DriftKernel drift;
   PlaceKernel placeSpheres;
   FindKernel findContacts;
@@ -155,8 +163,8 @@ struct ContactKernels {
   const ForceKernels *forces, *mixedForces;  ///< ContactPrecision::Double, Mixed
 };
 
-/// The best for the processor at hand; environment variable GRANULAR_PROCESSOR ("baseline", "avx2") asks for
-/// less.
+/// The best for the processor at hand; environment variable GRANULAR_PROCESSOR ("baseline", "avx2", "avx512")
+/// asks for less.
 const ContactKernels& contactKernels();
 /// All that this processor can run, the best last.
 std::span<const ContactKernels* const> availableContactKernels();

@@ -4,6 +4,7 @@
 #include "granular/system/detail/drift_kernel_body.h"
 #include "granular/system/detail/motion_kernels_body.h"
 #include "granular/system/detail/row_kernels_body.h"
+#include "granular/system/detail/search_kernel_body.h"
 
 namespace granular::detail {
 
@@ -12,6 +13,7 @@ static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
 extern const ForceKernels kAvx2MixedForces;
 extern const ContactKernels kAvx2Kernels;
 const ContactKernels kAvx2Kernels = {.processor = "avx2",
+                                     .findNear = findNearInPacks,
                                      .drift = driftOwners,
                                      .placeSpheres = placeSpheres,
                                      .findContacts = findContacts,

@@ -12,6 +12,7 @@ static constexpr ForceKernels kForces = allKernels<Pack>(NormalLaws{});
 extern const ForceKernels kBaselineMixedForces;
 extern const ContactKernels kBaselineKernels;
 const ContactKernels kBaselineKernels = {.processor = "baseline",
+                                         .findNear = granular::findNear,
                                          .drift = driftOwners,
                                          .placeSpheres = placeSpheres,
                                          .findContacts = findContacts,

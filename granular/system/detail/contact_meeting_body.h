@@ -23,18 +23,17 @@ using RowOf = std::conditional_t<std::is_same_v<P, Pack>, Four, FourFloats>;
 /// What is known of a contact before its law, in rows of four numbers. Arms only where something else than
 /// spheres moves.
 enum MeetingRowIndex : int {
-  kWay,    ///< from particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2; on surfaces the normal
-           ///< and the overlap, m
-  kApart,  ///< velocity of owner 1 less that of owner 2, m/s; 1 in the block's own rows, else 0
-  kSpin1,  ///< angular velocity of owner 1, rad/s; R1, m
-  kSpin2,  ///< angular velocity of owner 2, rad/s; R2, m; on surfaces one over the surface's radius, 1/m
-  kLaw,    ///< as ContactArrays::lawRows
-  kArm1,   ///< from the centre of owner 1 to that of particle 1, m; on surfaces to the point
-           ///< and the slope of the surface's distance
-  kArm2,   ///< the same for owner and particle 2
+  kApart,   ///< velocity of owner 1 less that of owner 2, m/s; 1 in the block's own rows, else 0
+  kSpin1,   ///< angular velocity of owner 1, rad/s; R1, m. Right behind kApart
+  kSpin2,   ///< angular velocity of owner 2, rad/s; R2, m; on surfaces one over the surface's radius, 1/m
+  kLaw,     ///< as ContactArrays::lawRows
+  kArm1,    ///< from the centre of owner 1 to that of particle 1, m; on surfaces to the point
+            ///< and the slope of the surface's distance
+  kArm2,    ///< the same for owner and particle 2
+  kNormal,  ///< on surfaces: the normal and the overlap, m
 };
 constexpr int rowsOfMeeting(bool movesOnlySpheres, bool onSurfaces) {
-  return movesOnlySpheres && !onSurfaces ? kArm1 : kArm2 + 1;
+  return onSurfaces ? kNormal + 1 : movesOnlySpheres ? kArm1 : kNormal;
 }
 
 /// Of as many contacts as P has lanes.
@@ -42,6 +41,9 @@ template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
 struct MeetingRows {
   static constexpr int kRows = rowsOfMeeting(kMovesOnlySpheres, kOnSurfaces);
   alignas(64) RowOf<P> rows[P::kSize * kRows];
+  /// Of two round particles: from particle 1 to particle 2 and the sum of radii, m, in double precision: an
+  /// overlap is a small difference.
+  alignas(64) Four ways[kOnSurfaces ? 1 : P::kSize];
 
   void put(int lane, int row, const Four& numbers) {
     rows[lane * kRows + row] = __builtin_convertvector(numbers, RowOf<P>);
@@ -53,6 +55,29 @@ struct MeetingRows {
 
 static_assert(offsetof(ParticleRow, radius) == 3 * sizeof(double));
 
+/// How owner 1 moves against owner 2, and turns: the rows kApart and kSpin1 of a lane.
+template <class Rows>
+void putMotion(Rows& to, int lane, const OwnerRow& owner1, const OwnerRow& owner2, double isOwn,
+               const double& radius1) {
+#ifdef __AVX512F__
+  const __m512d one = _mm512_load_pd(owner1.velocity.data());
+  __m512d motion = _mm512_mask_sub_pd(one, 0b0000'0111, one, _mm512_load_pd(owner2.velocity.data()));
+  motion = _mm512_mask_mov_pd(motion, 0b0000'1000, _mm512_set1_pd(isOwn));
+  motion = _mm512_mask_mov_pd(motion, 0b1000'0000, _mm512_set1_pd(radius1));
+  auto* row = &to.rows[lane * Rows::kRows + kApart];
+  if constexpr (sizeof(*row) == sizeof(Four)) {
+    std::memcpy(row, &motion, sizeof(motion));
+  } else {
+    const __m256 narrow = _mm512_cvtpd_ps(motion);
+    std::memcpy(row, &narrow, sizeof(narrow));
+  }
+#else
+  const Four flag = {0.0, 0.0, 0.0, isOwn}, radius = {0.0, 0.0, 0.0, radius1};
+  to.put(lane, kApart, withFourth(loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()), flag));
+  to.put(lane, kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), radius));
+#endif
+}
+
 template <class P>
 char* lawRowOf(const ContactArrays& arrays, const Contact& contact) {
   return static_cast<char*>(arrays.lawRows) + contact.candidate * std::ptrdiff_t{sizeof(RowOf<P>)};
@@ -63,7 +88,7 @@ template <class P, bool kMovesOnlySpheres, bool kOnSurfaces>
 void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int32_t first,
                     MeetingRows<P, kMovesOnlySpheres, kOnSurfaces>& to) {
   const Four minus = {-1.0, -1.0, -1.0, 1.0};
-  const Four counts[2] = {{0.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+  const double counts[2] = {0.0, 1.0};
   const ParticleRow *particles = arrays.particles, *balls = arrays.balls;
   const OwnerRow* owners = arrays.owners;
   const Contact* contacts = run.contacts;
@@ -80,15 +105,13 @@ void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int
     const OwnerRow &owner1 = owners[place1], &owner2 = owners[place2];
     const Four a = loadFour(&particles[slot1].x);
     const bool isOwn = static_cast<std::uint32_t>(slot1 - firstSlot) < ownSlots;
-    to.put(lane, kApart,
-           withFourth(loadFour(owner1.velocity.data()) - loadFour(owner2.velocity.data()), counts[isOwn]));
-    to.put(lane, kSpin1, withFourth(loadFour(owner1.angularVelocity.data()), a));
+    putMotion(to, lane, owner1, owner2, counts[isOwn], particles[slot1].radius);
     std::memcpy(&to.rows[lane * to.kRows + kLaw], lawRowOf<P>(arrays, contact), sizeof(RowOf<P>));
     if constexpr (kOnSurfaces) {
       const SurfaceMeeting& meeting = run.surfaces[contact.surface];
       const double inverseRadius = arrays.surfaceInverseRadius[slot2 - arrays.particleCount];
       const Four point = loadFour(meeting.point.data()), normal = loadFour(meeting.normal.data());
-      to.put(lane, kWay, withFourth(normal, point));
+      to.put(lane, kNormal, withFourth(normal, point));
       to.put(lane, kSpin2,
              withFourth(loadFour(owner2.angularVelocity.data()), Four{0.0, 0.0, 0.0, inverseRadius}));
       const Four center1 = loadFour(kMovesOnlySpheres ? &particles[slot1].x : &balls[place1].x);
@@ -96,11 +119,7 @@ void gatherMeetings(const ContactArrays& arrays, const ContactRun& run, std::int
       to.put(lane, kArm2, point - loadFour(&balls[place2 - arrays.firstBall].x));
     } else {
       const Four b = loadFour(&particles[slot2].x);
-      // An overlap is a small difference, which single precision would not see.
-      const Four d = b + minus * a;  // fourth: the sum of radii
-      const Four q = minus * (d * d);
-      const Four pairs = q + __builtin_shufflevector(q, q, 1, 0, 3, 2);
-      to.put(lane, kWay, withFourth(d, pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1)));
+      to.ways[lane] = b + minus * a;
       to.put(lane, kSpin2, withFourth(loadFour(owner2.angularVelocity.data()), b));
       if constexpr (!kMovesOnlySpheres) {
         to.put(lane, kArm1, a - loadFour(&balls[place1].x));
@@ -122,6 +141,25 @@ struct PackMeeting {
   Vector3Of<P> angularVelocity1, angularVelocity2;
   Vector3Of<P> velocityOfCenters;  ///< of particle 1 against 2, m/s
 };
+
+/// From particle 1 to particle 2, m, and (R1 + R2)^2 less its square, m^2, which single precision would not
+/// see in R1 + R2 and the way.
+FourPacks<Pack> wayAndDepth(const Four* ways) {
+  const FourPacks<Pack> d = packsOf<Pack>([&](int lane) { return ways[lane]; });
+  const Pack depth = (d.fourth * d.fourth - d.third * d.third) - (d.first * d.first + d.second * d.second);
+  return {d.first, d.second, d.third, depth};
+}
+template <class P>
+FourPacks<P> waysOf(const Four* ways) {
+  const FourPacks<Pack> low = wayAndDepth(ways);
+  if constexpr (std::is_same_v<P, Pack>) {
+    return low;
+  } else {
+    const FourPacks<Pack> high = wayAndDepth(ways + Pack::kSize);
+    return {narrowed(low.first, high.first), narrowed(low.second, high.second),
+            narrowed(low.third, high.third), narrowed(low.fourth, high.fourth)};
+  }
+}
 
 /// Of two round particles. radius2: of particle 2.
 template <class P>
@@ -165,9 +203,9 @@ PackMeeting<P> meetingOf(const MeetingRows<P, kMovesOnlySpheres, kOnSurfaces>& r
   meeting.isOwn = apart.fourth;
   meeting.radius1 = spin1.fourth;
   if constexpr (kOnSurfaces) {
-    meetSurface<P>(rows.of(kWay), rows.of(kArm1).fourth, spin2.fourth, meeting);
+    meetSurface<P>(rows.of(kNormal), rows.of(kArm1).fourth, spin2.fourth, meeting);
   } else {
-    meetRound<P>(rows.of(kWay), spin2.fourth, meeting);
+    meetRound<P>(waysOf<P>(rows.ways), spin2.fourth, meeting);
   }
   // How the point moves (eq. 3), and the centres. What turns round particles moves the point alone.
   meeting.arm2 = meeting.distance - meeting.arm1;

@@ -293,7 +293,8 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
 void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<double>& y,
                               std::vector<double>& rate) {
   memoryHasRates_ = hasMemory_ && arrays.at.memoryRates;
-  contactsAreKept_ = keepsContacts_ || hasMemory_;
+  forcesAreKept_ = keepsContacts_ || isDampingGiven_;  // shearRate() asks for them before they are settled
+  contactsAreKept_ = forcesAreKept_ || hasMemory_;
   if (memoryHasRates_) std::fill(rate.begin() + (stateSize() - lackingOf(rate, y)), rate.end(), 0.0);
   contactsAreListed_ = false;
   contactsAreMeasured_ = measuresContacts_;
@@ -312,18 +313,21 @@ void Evaluation::workOnBlocks(const ContactArrays& arrays, const std::vector<dou
   rate[heatAt() - lackingOf(rate, y)] = heat;
 }
 
-/// The contacts of the last evaluation once more, where none remembers anything.
-void Evaluation::workOutAgain() {
-  const ContactArrays arrays = contactArrays();
+/// The contacts of the last evaluation once more. What they remember is settled: nothing moves on.
+void Evaluation::workOutAgain(const std::vector<double>& y) {
+  ContactArrays arrays = contactArrays();
+  arrays.displacements = y.data() + stateSize();
+  arrays.at.memoryRates = memoryHasRates_ = false;
+  if (contactsAreKept_) makeRoomForContacts();
   forTimedPieces(blockCount(),
                  [&](std::int32_t block, PieceClock& clock) { workOutContacts(block, arrays, clock); });
 }
 
-std::span<const ContactTotals> Evaluation::contactTotals() {
+std::span<const ContactTotals> Evaluation::contactTotals(const std::vector<double>& y) {
   if (contactsAreMeasured_) return contactTotals_;
   contactsAreMeasured_ = true;
   contactTotals_.assign(layout_.dynamicParticles, {});
-  if (contactsAreKept_) {
+  if (forcesAreKept_) {
     executor_.forPieces(blockCount(), [&](std::int32_t block) {
       const std::int32_t first = firstKept(block);
       measureContactsOf(block, {.count = foundInBlock_[block],
@@ -332,19 +336,18 @@ std::span<const ContactTotals> Evaluation::contactTotals() {
                                 .forces = forces_.data()});
     });
   } else {
-    workOutAgain();
+    workOutAgain(y);
   }
   return contactTotals_;
 }
 
-void Evaluation::listContacts() {
+void Evaluation::listContacts(const std::vector<double>& y) {
   if (contactsAreListed_) return;
   contactsAreListed_ = true;
-  if (!contactsAreKept_) {
-    contactsAreKept_ = true;
+  if (!forcesAreKept_) {
+    contactsAreKept_ = forcesAreKept_ = true;
     contactsAreMeasured_ = false;  // else they were added to their totals once more
-    makeRoomForContacts();
-    workOutAgain();
+    workOutAgain(y);
   }
   contactsOfRow_.resize(layout_.dynamicParticles);
   executor_.forPieces(blockCount(), [&](std::int32_t block) { listContactsOf(block); });

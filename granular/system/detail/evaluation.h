@@ -51,10 +51,10 @@ struct ContactTotals {
 };
 
 /// Contacts that were found in a block, those in rows of other blocks among them, and what a thread needs to
-/// work on them. Where they are kept, contacts, positions, forces and memory lie with the block, else in the
-/// thread's own room: positions and forces of a chunk only.
+/// work on them. Where they are kept, contacts and memory, and positions and forces, lie with the block, else
+/// in the thread's own room: positions and forces of a chunk only.
 struct BlockContacts {
-  std::int32_t count = 0, forceCount = 0;
+  std::int32_t count = 0;
   Contact* contacts = nullptr;
   std::int32_t* position = nullptr;  ///< of a contact's force
   ContactForce* forces = nullptr;
@@ -63,9 +63,11 @@ struct BlockContacts {
   std::vector<Contact> ownContacts;
   std::vector<std::int32_t> ownPositions;
   std::vector<ContactForce> ownForces;
-  std::vector<VectorRow> torques;        ///< of the chunk at hand
-  std::vector<SurfaceMeeting> surfaces;  ///< of contacts on surfaces
-  std::vector<PatchWrench> sums;         ///< by patch, and one more
+  /// Of contacts on surfaces, then of the chunk at hand.
+  std::vector<VectorRow> torques;
+  std::vector<std::int32_t> rounds, onSurfaces;  ///< which contacts are of two particles, which on surfaces
+  std::vector<SurfaceMeeting> surfaces;          ///< of those on surfaces
+  std::vector<PatchWrench> sums;                 ///< by patch, and one more
 };
 
 class Evaluation {
@@ -131,7 +133,7 @@ class Evaluation {
   /// contacts, and M, the masses and moments of inertia of all owners, it is a bound on the eigenvalues of
   /// M^-1 C (Gershgorin), exact where one contact damps. Contacts between bodies, whose constants belong to
   /// all of a face, are left out.
-  double shearRate();
+  double shearRate(const std::vector<double>& y);
 
   // Where things were at the last evaluation: also those that do not move.
   Vector3 center(std::int32_t owner) const {
@@ -148,16 +150,16 @@ class Evaluation {
   /// Who touches whom, and what of it is remembered at the accepted state y. Returns whether anything is.
   bool describe(const Contact& contact, const std::vector<double>& y, RememberedContact& description) const;
 
-  /// Whether the evaluations that follow keep their contacts; where some remember they always do.
+  /// Whether the evaluations that follow keep their contacts and what they do.
   void keepContacts(bool keep) { keepsContacts_ = keep; }
   /// Whether the evaluations that follow measure their contacts.
   void measureContacts(bool measure) { measuresContacts_ = measure; }
   /// Of the contacts of the last evaluation, by rank of particle 1: works them out once more where they were
-  /// not measured.
-  std::span<const ContactTotals> contactTotals();
+  /// not measured. y: the state it was of; where contacts remember, settled.
+  std::span<const ContactTotals> contactTotals(const std::vector<double>& y);
   /// Contacts of the last evaluation are there: works them out once more where they were not kept. For all
-  /// that reads contacts.
-  void listContacts();
+  /// that reads contacts. y: as above.
+  void listContacts(const std::vector<double>& y);
 
   // What the last evaluation found.
   const EvaluationSummary& summary() const { return summary_; }
@@ -186,13 +188,15 @@ class Evaluation {
   const PatchWrench* workOutContacts(std::int32_t block, const ContactArrays& arrays, PieceClock& clock);
   void findContacts(std::int32_t block, const ContactArrays& arrays, BlockContacts& found);
   void findSurfaceContact(std::int32_t candidate, BlockContacts& found);
-  ContactChunk computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
-                                    const ContactArrays& arrays, BlockContacts& found, Extremes& extremes);
+  void computeContactForces(std::int32_t block, std::span<const std::int32_t> which, bool onSurfaces,
+                            std::int32_t to, std::int32_t torquesTo, const ContactArrays& arrays,
+                            BlockContacts& found, Extremes& extremes);
   void makeRoomForContacts();
   void layOut(std::int32_t block, BlockContacts& found);
+  void layOutForces(std::int32_t block, BlockContacts& found);
   void listContactsOf(std::int32_t block);
   void measureContactsOf(std::int32_t block, const ContactChunk& chunk);
-  void workOutAgain();
+  void workOutAgain(const std::vector<double>& y);
   bool isOwn(std::int32_t block, const Contact& contact) const {
     return contact.slot1 >= firstSlotOfBlock_[block] && contact.slot1 < firstSlotOfBlock_[block + 1];
   }
@@ -268,7 +272,8 @@ class Evaluation {
   PairRule ruleOf(const Contact& contact) const;
   PairRule ruleBetween(std::int32_t material1, std::int32_t material2, bool ofBodies) const;
   template <class Body>
-  void forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const;
+  void forRuns(std::int32_t block, const Contact* contacts, std::span<const std::int32_t> which,
+               bool onSurfaces, Body&& body) const;
   void updateLawRows();
   void forcesOfRun(const ContactRun& run, const ContactArrays& arrays, Extremes& extremes);
   bool contactGeometry(const Contact& contact, ContactGeometry& geometry) const;
@@ -311,7 +316,8 @@ class Evaluation {
 
   // Contacts that are kept, as each block found them, those in rows of other blocks among them.
   bool keepsContacts_ = false;
-  bool contactsAreKept_ = false, contactsAreListed_ = false;  // of the last evaluation
+  // Of the last evaluation: who touches and what is remembered of it; what they do; where they are of a row.
+  bool contactsAreKept_ = false, forcesAreKept_ = false, contactsAreListed_ = false;
   std::vector<Contact> contacts_;
   std::vector<std::int32_t> positions_;  // of a contact's force
   std::vector<ContactForce> forces_;
@@ -332,7 +338,7 @@ class Evaluation {
   struct Settled {
     double heat = 0.0, heating = 0.0;  // J, W: as ContactMemory's loss and heating
   };
-  std::vector<Settled> settledOfRank_;  // summed by rank, in which no re-sorting changes anything
+  std::vector<Settled> sumOfRank_;  // summed by rank, in which no re-sorting changes anything
   std::vector<std::int32_t> memoryOfCandidate_, memoryOfCandidateBefore_;  // -1: none
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there

@@ -144,7 +144,8 @@ void Evaluation::rebuildCandidates() {
                           .rules = &layout_.rules,
                           .overhang = layout_.overhang,
                           .margin = margins_,
-                          .surfaceMargin = surfaceMargins_};
+                          .surfaceMargin = surfaceMargins_,
+                          .findNear = kernels_->findNear};
   list_.rebuild(input, executor_);
   blocks_.rebuild(list_,
                   {.rank = layout_.rankOfSlot,

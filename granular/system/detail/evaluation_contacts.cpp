@@ -3,6 +3,8 @@
 // and runs of contacts through the kernel compiled for their two laws.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 #include <variant>
 
 #include "granular/base/room.h"
@@ -21,6 +23,20 @@ const Vector3 kAnyDirection = Vector3::UnitY();
 constexpr std::int32_t kContactsPerChunk = 256;  // whose forces are worked out before they are added
 constexpr std::size_t kOpenRuns = 8;
 
+/// [begin, end) behind what is there.
+void appendNumbers(std::int32_t begin, std::int32_t end, std::vector<std::int32_t>& to) {
+  const std::size_t size = to.size();
+  to.resize(size + (end - begin));
+  std::iota(to.begin() + size, to.end(), begin);
+}
+
+/// All of them, and behind them the last one again, as ContactRun::which has it.
+std::span<const std::int32_t> runOf(std::vector<std::int32_t>& which) {
+  const std::size_t count = which.size();
+  if (count > 0) which.resize(count + kContactsPerPack, which.back());
+  return std::span(which).first(count);
+}
+
 }  // namespace
 
 /// Candidates of a block that overlap.
@@ -29,7 +45,9 @@ void Evaluation::findContacts(std::int32_t block, const ContactArrays& arrays, B
   const CandidateSpan candidates{.row = blocks_.row().data(), .partner = blocks_.partner().data()};
   found.count = 0;
   for (std::int32_t c = begin; c < end;) {
+    const std::int32_t before = found.count;
     c = kernels_->findContacts(arrays, candidates, c, end, found.contacts, found.count);
+    appendNumbers(before, found.count, found.rounds);
     for (; c < end && blocks_.partner()[c] >= layout_.particleCount; ++c) {
       findSurfaceContact(c, found);
     }
@@ -45,6 +63,7 @@ void Evaluation::findSurfaceContact(std::int32_t candidate, BlockContacts& found
   const SurfaceDistance near = surfaces_[slot - layout_.particleCount].distance(center);
   if (!(near.distance < reach)) return;
   // Times the slope: the force is that of an energy, also where the distance is interpolated.
+  found.onSurfaces.push_back(found.count);
   found.contacts[found.count++] = {i, slot, candidate, static_cast<std::int32_t>(found.surfaces.size())};
   found.surfaces.push_back(
       {-near.normal, near.slope, center - near.distance * near.normal, a.radius - near.distance});
@@ -263,50 +282,38 @@ void Evaluation::forcesOfRun(const ContactRun& run, const ContactArrays& arrays,
   });
 }
 
-/// body(run) for all of these contacts of the block, in runs under one rule; on surfaces in runs of their
-/// own. Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on
-/// many or in vain.
+/// body(run) for some of these contacts of the block, all on surfaces or none, in runs under one rule.
+/// Several runs are open at a time, as contacts under different rules lie mixed and a kernel works on many or
+/// in vain. which: kContactsPerChunk at most, and behind them as ContactRun has it.
 template <class Body>
-void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, Body&& body) const {
+void Evaluation::forRuns(std::int32_t block, const Contact* contacts, std::span<const std::int32_t> which,
+                         bool onSurfaces, Body&& body) const {
   struct Run {
     PairRule rule{};
-    bool onSurfaces = false;
     std::int32_t count = 0;
     std::array<std::int32_t, kContactsPerChunk> which;
   };
   static_assert(kContactsPerChunk % kContactsPerPack == 0);
-  std::array<Run, kOpenRuns> runs;
-  const auto finish = [&](Run& run) {
-    if (run.count == 0) return;
-    for (std::int32_t k = run.count; k % kContactsPerPack != 0; ++k) run.which[k] = run.which[run.count - 1];
-    body(ContactRun{.pair = run.rule.pair,
-                    .ofBodies = run.rule.ofBodies,
-                    .onSurfaces = run.onSurfaces,
+  if (which.empty()) return;
+  const auto finish = [&](const PairRule& rule, std::span<const std::int32_t> ofRule) {
+    body(ContactRun{.pair = rule.pair,
+                    .ofBodies = rule.ofBodies,
+                    .onSurfaces = onSurfaces,
                     .firstSlot = firstSlotOfBlock_[block],
                     .endSlot = firstSlotOfBlock_[block + 1],
-                    .which = std::span(run.which).first(run.count),
-                    .contacts = contacts.data()});
-    run.count = 0;
+                    .which = ofRule,
+                    .contacts = contacts});
   };
-  if (isUniform_) {
-    Run &round = runs[0], &onSurfaces = runs[1];
-    round.rule = onSurfaces.rule = ruleOf(contacts[0]);
-    onSurfaces.onSurfaces = true;
-    const std::int32_t particleCount = layout_.particleCount;
-    std::int32_t rounds = 0;
-    for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {  // written to both, counted for one
-      round.which[rounds] = onSurfaces.which[n - rounds] = n;
-      rounds += contacts[n].slot2 < particleCount;
-    }
-    round.count = rounds;
-    onSurfaces.count = static_cast<std::int32_t>(contacts.size()) - rounds;
-    finish(round);
-    finish(onSurfaces);
-    return;
-  }
+  if (isUniform_) return finish(ruleOf(contacts[which[0]]), which);
+  std::array<Run, kOpenRuns> runs;
+  const auto finishRun = [&](Run& run) {
+    const std::int32_t count = std::exchange(run.count, 0);
+    for (std::int32_t k = count; k % kContactsPerPack != 0; ++k) run.which[k] = run.which[count - 1];
+    finish(run.rule, std::span(run.which).first(count));
+  };
   std::size_t open = 0, current = 0, oldest = 0;
-  const auto runFor = [&](const PairRule& rule, bool onSurfaces) -> Run& {
-    const auto fits = [&](const Run& run) { return run.onSurfaces == onSurfaces && run.rule == rule; };
+  const auto runFor = [&](const PairRule& rule) -> Run& {
+    const auto fits = [&](const Run& run) { return run.rule == rule; };
     if (open > 0 && fits(runs[current])) return runs[current];
     current = std::find_if(runs.begin(), runs.begin() + open, fits) - runs.begin();
     if (current < open) return runs[current];
@@ -314,44 +321,37 @@ void Evaluation::forRuns(std::int32_t block, std::span<const Contact> contacts, 
       ++open;
     } else {
       current = oldest++ % kOpenRuns;
-      finish(runs[current]);
+      finishRun(runs[current]);
     }
     runs[current].rule = rule;
-    runs[current].onSurfaces = onSurfaces;
     return runs[current];
   };
-  for (std::int32_t n = 0; n < std::ssize(contacts); ++n) {
-    Run& run = runFor(ruleOf(contacts[n]), contacts[n].slot2 >= layout_.particleCount);
+  for (const std::int32_t n : which) {
+    Run& run = runFor(ruleOf(contacts[n]));
     run.which[run.count++] = n;
   }
-  for (std::size_t k = 0; k < open; ++k) finish(runs[k]);
+  for (std::size_t k = 0; k < open; ++k) {
+    if (runs[k].count > 0) finishRun(runs[k]);
+  }
 }
 
-/// Forces of contacts [first, end) of those found, kContactsPerChunk at most.
-ContactChunk Evaluation::computeContactForces(std::int32_t block, std::int32_t first, std::int32_t end,
-                                              const ContactArrays& arrays, BlockContacts& found,
-                                              Extremes& extremes) {
-  std::int32_t* position = found.position + (contactsAreKept_ ? first : 0);
-  ContactForce* forces = found.forces + found.forceCount;
-  std::int32_t to = 0;
-  forRuns(block, std::span(found.contacts + first, found.contacts + end), [&](ContactRun run) {
+/// Forces of some contacts of a block, kContactsPerChunk at most, which are written from force `to` on, and
+/// their torques from torque `torquesTo` on.
+void Evaluation::computeContactForces(std::int32_t block, std::span<const std::int32_t> which,
+                                      bool onSurfaces, std::int32_t to, std::int32_t torquesTo,
+                                      const ContactArrays& arrays, BlockContacts& found, Extremes& extremes) {
+  forRuns(block, found.contacts, which, onSurfaces, [&](ContactRun run) {
     const auto count = static_cast<std::int32_t>(run.which.size());
-    for (std::int32_t k = 0; k < count; ++k) position[run.which[k]] = to + k;
+    for (std::int32_t k = 0; k < count; ++k) found.position[run.which[k]] = to + k;
     run.surfaces = found.surfaces.data();
-    if (hasMemory_) {
-      run.memory = found.memory + first;
-      if (arrays.at.memoryRates) run.nextRates = found.nextRates + first;
-    }
-    run.forces = forces + to;
-    run.torques = found.torques.data() + to;
+    run.memory = found.memory;
+    run.nextRates = found.nextRates;
+    run.forces = found.forces + to;
+    run.torques = found.torques.data() + torquesTo;
     forcesOfRun(run, arrays, extremes);
     to += count;
+    torquesTo += count;
   });
-  return {.count = end - first,
-          .contacts = found.contacts + first,
-          .position = position,
-          .forces = forces,
-          .torques = found.torques.data()};
 }
 
 /// What the laws take from the sizes and masses of all candidates: a list lasts longer than it takes to work
@@ -363,18 +363,23 @@ void Evaluation::updateLawRows() {
   const ContactArrays arrays = contactArrays();
   executor_.forPieces(blockCount(), [&](std::int32_t block) {
     std::array<Contact, kContactsPerChunk> candidates;
+    std::vector<std::int32_t> which[2];  // of two particles; on surfaces
     const std::int32_t end = blocks_.starts()[block + 1];
     for (std::int32_t c = blocks_.starts()[block]; c < end;) {
-      std::size_t count = 0;
-      for (; c < end && count < candidates.size(); ++c) {
-        candidates[count++] = {blocks_.row()[c], blocks_.partner()[c], c};
+      for (std::vector<std::int32_t>& ofKind : which) ofKind.clear();
+      for (std::size_t n = 0; c < end && n < candidates.size(); ++n, ++c) {
+        candidates[n] = {blocks_.row()[c], blocks_.partner()[c], c};
+        which[blocks_.partner()[c] >= layout_.particleCount].push_back(static_cast<std::int32_t>(n));
       }
-      forRuns(block, std::span(candidates).first(count), [&](const ContactRun& run) {
-        const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
-        const ShearLaw shear = run.pair->def.shear.law;
-        const auto kernel = forceKernels_->laws[static_cast<int>(normal)][static_cast<int>(shear)];
-        if (kernel) kernel(arrays, run);
-      });
+      for (const bool onSurfaces : {false, true}) {
+        const std::span<const std::int32_t> all = runOf(which[onSurfaces]);
+        forRuns(block, candidates.data(), all, onSurfaces, [&](const ContactRun& run) {
+          const NormalLaw normal = run.pair->normalOf(run.ofBodies).law;
+          const ShearLaw shear = run.pair->def.shear.law;
+          const auto kernel = forceKernels_->laws[static_cast<int>(normal)][static_cast<int>(shear)];
+          if (kernel) kernel(arrays, run);
+        });
+      }
     }
   });
 }
@@ -386,31 +391,54 @@ const PatchWrench* Evaluation::workOutContacts(std::int32_t block, const Contact
   thread_local BlockContacts found;
   layOut(block, found);
   findContacts(block, arrays, found);  // candidates -> pairs with overlap > 0                      eq. 1
+  layOutForces(block, found);
   clock.done(Stage::FindContacts);
   const std::int32_t firstPatch = layout_.patchOfPlace[firstPlaceOfBlock_[block]];
   const std::int32_t patches = layout_.patchOfPlace[firstPlaceOfBlock_[block + 1]] - firstPatch;
   found.sums.assign(patches + 1, PatchWrench{});
   Extremes extremes;
-  for (std::int32_t first = 0; first < found.count; first += kContactsPerChunk) {
-    const std::int32_t end = std::min(found.count, first + kContactsPerChunk);
-    const ContactChunk chunk = computeContactForces(block, first, end, arrays, found, extremes);  // eqs. 2-19
+  const std::span<const std::int32_t> rounds = runOf(found.rounds), onSurfaces = runOf(found.onSurfaces);
+  const auto surfaceCount = static_cast<std::int32_t>(onSurfaces.size());
+  const auto roundCount = static_cast<std::int32_t>(rounds.size());
+  // Those on surfaces are few and lie between the others: all of a block at once, that packs are full.
+  for (std::int32_t k = 0; k < surfaceCount; k += kContactsPerChunk) {
+    const std::int32_t count = std::min(kContactsPerChunk, surfaceCount - k);
+    computeContactForces(block, onSurfaces.subspan(k, count), true, k, k, arrays, found, extremes);
+  }
+  std::int32_t first = 0;
+  for (std::int32_t k = 0; first < found.count; k += kContactsPerChunk) {
+    const std::int32_t count = std::min(kContactsPerChunk, roundCount - k);
+    const std::int32_t shift = forcesAreKept_ ? k : 0;
+    if (count > 0) {
+      computeContactForces(block, rounds.subspan(k, count), false, surfaceCount + shift, surfaceCount, arrays,
+                           found, extremes);  // eqs. 2-19
+    }
     clock.done(Stage::ComputeContactForces);
+    const std::int32_t end = k + count < roundCount ? rounds[k + count] : found.count;
+    const ContactChunk chunk{.count = end - first,
+                             .contacts = found.contacts + first,
+                             .position = found.position + first,
+                             .forces = found.forces,
+                             .torques = found.torques.data(),
+                             .surfaceCount = surfaceCount,
+                             .shift = shift};
     kernels_->addWrenches(arrays, chunk, firstPatch, patches, found.sums.data());
     clock.done(Stage::SumWrenches);
     if (contactsAreMeasured_) measureContactsOf(block, chunk);
-    if (!contactsAreKept_) continue;
-    for (std::int32_t n = first; n < end; ++n) found.position[n] += firstKept(block) + found.forceCount;
-    found.forceCount += end - first;
+    first = end;
   }
   extremesInBlock_[block] = extremes;
   if (contactsAreKept_) foundInBlock_[block] = found.count;
+  if (forcesAreKept_) {
+    for (std::int32_t n = 0; n < found.count; ++n) found.position[n] += firstKept(block);
+  }
   return found.sums.data();
 }
 
 void Evaluation::makeRoomForContacts() {
   const auto most = static_cast<std::size_t>(firstKept(blockCount()));
-  if (contacts_.size() != most) {
-    resizeAnew(contacts_, most);
+  if (contacts_.size() != most) resizeAnew(contacts_, most);
+  if (forcesAreKept_ && forces_.size() != most) {
     resizeAnew(positions_, most);
     resizeAnew(forces_, most);
   }
@@ -421,27 +449,41 @@ void Evaluation::makeRoomForContacts() {
 
 /// Room for what may be found in a block; kernels write up to a pack more than there is.
 void Evaluation::layOut(std::int32_t block, BlockContacts& found) {
-  found.count = found.forceCount = 0;
+  found.count = 0;
   found.surfaces.clear();
-  found.torques.resize(kContactsPerChunk + kContactsPerPack);
+  found.rounds.clear();
+  found.onSurfaces.clear();
+  const std::int32_t firstOfBlock = firstKept(block);
+  const auto most =
+      static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] + kContactsPerPack);
   if (contactsAreKept_) {
-    const std::int32_t first = firstKept(block);
-    found.contacts = contacts_.data() + first;
-    found.position = positions_.data() + first;
-    found.forces = forces_.data() + first;
+    found.contacts = contacts_.data() + firstOfBlock;
     if (hasMemory_) {
-      found.memory = contactMemory_.data() + first;
-      found.nextRates = memoryHasRates_ ? nextRates_.data() + first : nullptr;
+      found.memory = contactMemory_.data() + firstOfBlock;
+      found.nextRates = memoryHasRates_ ? nextRates_.data() + firstOfBlock : nullptr;
     }
-    return;
+  } else {
+    if (found.ownContacts.size() < most) found.ownContacts.resize(most);
+    found.contacts = found.ownContacts.data();
   }
-  const auto most = static_cast<std::size_t>(blocks_.starts()[block + 1] - blocks_.starts()[block] + 1);
-  if (found.ownContacts.size() < most) found.ownContacts.resize(most);
-  found.ownPositions.resize(kContactsPerChunk);
-  found.ownForces.resize(kContactsPerChunk + kContactsPerPack);
-  found.contacts = found.ownContacts.data();
-  found.position = found.ownPositions.data();
-  found.forces = found.ownForces.data();
+  if (forcesAreKept_) {
+    found.position = positions_.data() + firstOfBlock;
+  } else {
+    if (found.ownPositions.size() < most) found.ownPositions.resize(most);
+    found.position = found.ownPositions.data();
+  }
+}
+
+/// Room for what the contacts found do.
+void Evaluation::layOutForces(std::int32_t block, BlockContacts& found) {
+  const std::size_t most = found.surfaces.size() + kContactsPerChunk + kContactsPerPack;
+  if (found.torques.size() < most) found.torques.resize(most);
+  if (forcesAreKept_) {
+    found.forces = forces_.data() + firstKept(block);
+  } else {
+    if (found.ownForces.size() < most) found.ownForces.resize(most);
+    found.forces = found.ownForces.data();
+  }
 }
 
 /// Which kept contacts are those of the block's own rows.

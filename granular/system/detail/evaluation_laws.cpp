@@ -84,9 +84,9 @@ double Evaluation::givenDamping(const Contact& contact) const {
   return shear.dampingRatio ? pairLaw(contact).shear.dashpot : 0.0;
 }
 
-double Evaluation::shearRate() {
+double Evaluation::shearRate(const std::vector<double>& y) {
   if (!isDampingGiven_) return 0.0;
-  listContacts();
+  listContacts(y);
   dampingOfOwner_.assign(layout_.owners.size(), 0.0);
   forEachContact([&](const Contact& contact, const ContactForce& f) {
     const double damping = givenDamping(contact);

@@ -134,16 +134,16 @@ void Evaluation::settleMemory(std::vector<double>& y, std::vector<double>& rate)
   memoryOfCandidateBefore_.swap(memoryOfCandidate_);
   memoryOfCandidate_.resize(list_.size());
   livesOn_.assign(memoryBefore_.size(), 0);
-  settledOfRank_.assign(layout_.dynamicParticles, {});
+  sumOfRank_.assign(layout_.dynamicParticles, {});
   const std::size_t lacking = lackingOf(rate, y);
   y.resize(stateSize() + 3 * entries);
   rate.resize(y.size() - lacking);
   executor_.forPieces(blocks, [&](std::int32_t block) { settleBlock(block, y, rate); });
   for (std::size_t m = 0; m < memoryBefore_.size(); ++m) {
-    if (!livesOn_[m]) settledOfRank_[memoryBefore_[m].rank1].heat += memoryBefore_[m].energy;
+    if (!livesOn_[m]) sumOfRank_[memoryBefore_[m].rank1].heat += memoryBefore_[m].energy;
   }
   Settled sum;
-  for (const Settled& settled : settledOfRank_) {
+  for (const Settled& settled : sumOfRank_) {
     sum.heat += settled.heat;
     sum.heating += settled.heating;
   }
@@ -165,8 +165,8 @@ void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::ve
     memoryOfCandidate_[candidate] = m;
     const SettledMemory& memory = contactMemory_[n];
     const std::int32_t rank = layout_.rankOfSlot[contact.slot1];
-    settledOfRank_[rank].heat += memory.loss;
-    settledOfRank_[rank].heating += memory.heating;
+    sumOfRank_[rank].heat += memory.loss;
+    sumOfRank_[rank].heating += memory.heating;
     memory_[m] = {.stiffness = memory.stiffness,
                   .slides = memory.slides,
                   .energy = granular::memoryEnergy<double>(memory.stiffness, memory.displacement),
@@ -181,11 +181,9 @@ void Evaluation::settleBlock(std::int32_t block, std::vector<double>& y, std::ve
 double Evaluation::memoryEnergy() {
   double energy = 0.0;
   if (memory_.empty()) return energy;
-  listContacts();
-  forEachContact([&](const Contact& contact, const ContactForce&) {
-    const std::int32_t m = entryOf(contact);
-    if (m >= 0) energy += memory_[m].energy;
-  });
+  sumOfRank_.assign(layout_.dynamicParticles, {});  // entries of one lie in order
+  for (const MemoryEntry& entry : memory_) sumOfRank_[entry.rank1].heat += entry.energy;
+  for (const Settled& sum : sumOfRank_) energy += sum.heat;
   return energy;
 }
 

@@ -37,6 +37,12 @@ class CandidateTest {
 
   /// Candidates [c, last) until one is on a surface; returns that one, or last.
   std::int32_t run(std::int32_t c, std::int32_t last) {
+#ifdef __AVX512F__
+    for (; c + 8 <= last; c += 8) {
+      if (_mm256_cmpge_epi32_mask(loadEight(partner_ + c), _mm256_set1_epi32(particleCount_)) != 0) break;
+      testEight(c);
+    }
+#endif
     for (; c + 4 <= last; c += 4) {
       const FourIntegers partner = loadFour(partner_ + c), surface = partner >= particleCount_;
       if ((surface[0] | surface[1] | surface[2] | surface[3]) != 0) break;
@@ -48,7 +54,9 @@ class CandidateTest {
     }
     return c;
   }
-  std::int32_t count() const { return count_; }
+  std::int32_t count() const {
+    return count_;
+  }
 
  private:
   /// Squares of the way between centres, by axis, and of the sum of radii.
@@ -58,6 +66,37 @@ class CandidateTest {
     const Four d = loadFour(&particles_[partner].x) - plusOrMinus * loadFour(&particles_[row].x);
     return d * d;
   }
+#ifdef __AVX512F__
+  static __m256i loadEight(const std::int32_t* from) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+  }
+  using Eight = double __attribute__((vector_size(64)));
+  void testEight(std::int32_t c) {
+    const auto squaresAt = [&](int k) { return squares(row_[c + k], partner_[c + k]); };
+    const FourPacks<Eight> q = registersOf<Eight>(squaresAt);
+    const __mmask8 touching = _mm512_cmp_pd_mask(static_cast<__m512d>(q.first + q.second + q.third),
+                                                 static_cast<__m512d>(q.fourth), _CMP_LT_OQ);
+    for (int k = 0; k < 8; ++k) prefetchOwner(partner_[c + k]);
+    // Those that touch side by side, then as rows of Contact; what lies behind them is written over.
+    const __m256i index = _mm256_add_epi32(_mm256_set1_epi32(c), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    const __m256i row = _mm256_maskz_compress_epi32(touching, loadEight(row_ + c));
+    const __m256i partner = _mm256_maskz_compress_epi32(touching, loadEight(partner_ + c));
+    const __m256i candidate = _mm256_maskz_compress_epi32(touching, index), none = _mm256_setzero_si256();
+    const __m256i ends0 = _mm256_unpacklo_epi32(row, partner), ends1 = _mm256_unpackhi_epi32(row, partner);
+    const __m256i rest0 = _mm256_unpacklo_epi32(candidate, none),
+                  rest1 = _mm256_unpackhi_epi32(candidate, none);
+    const __m256i a = _mm256_unpacklo_epi64(ends0, rest0),
+                  b = _mm256_unpackhi_epi64(ends0, rest0);  // 0 4, 1 5
+    const __m256i d = _mm256_unpacklo_epi64(ends1, rest1),
+                  e = _mm256_unpackhi_epi64(ends1, rest1);  // 2 6, 3 7
+    auto* to = reinterpret_cast<__m256i*>(contacts_ + count_);
+    _mm256_storeu_si256(to, _mm256_permute2x128_si256(a, b, 0x20));
+    _mm256_storeu_si256(to + 1, _mm256_permute2x128_si256(d, e, 0x20));
+    _mm256_storeu_si256(to + 2, _mm256_permute2x128_si256(a, b, 0x31));
+    _mm256_storeu_si256(to + 3, _mm256_permute2x128_si256(d, e, 0x31));
+    count_ += __builtin_popcount(touching);
+  }
+#endif
   void testFour(std::int32_t c, const FourIntegers& partner) {
     const FourIntegers row = loadFour(row_ + c);
     const FourPacks<Four> q = transposed<Four>(squares(row[0], partner[0]), squares(row[1], partner[1]),
@@ -78,6 +117,9 @@ class CandidateTest {
   void put(std::int32_t touches, const FourIntegers& contact, std::int32_t partner) {
     std::memcpy(&contacts_[count_].slot1, &contact, sizeof(contact));
     count_ -= touches;
+    prefetchOwner(partner);
+  }
+  void prefetchOwner(std::int32_t partner) const {
     __builtin_prefetch(owners_ + (kSlotsArePlaces ? partner : placeOfSlot_[partner]));
   }
 
@@ -114,6 +156,7 @@ void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::
   const ContactForce* forces = chunk.forces;
   const VectorRow* torques = chunk.torques;
   const std::int32_t* position = chunk.position;
+  const std::int32_t surfaceCount = chunk.surfaceCount, shift = chunk.shift;
   const auto most = static_cast<std::uint32_t>(patchCount);
   const auto sumOf = [=](std::int32_t slot) -> PatchWrench& {
     const std::int32_t patch = kSlotsArePatches ? slot : patchOfSlot[slot];
@@ -122,9 +165,11 @@ void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::
   const std::int32_t count = chunk.count;
   for (std::int32_t n = 0; n < count; ++n) {
     const std::int32_t at = position[n];
-    const Four force = loadFour(forces[at].force.data());  // and heat, which particle 1 has all of
     PatchWrench &first = sumOf(contacts[n].slot1), &second = sumOf(contacts[n].slot2);
-    const Four torque1 = loadFour(torques[at].vector.data()), torque2 = loadFour(forces[at].torque.data());
+    const Four force = loadFour(forces[at].force.data());  // and heat, which particle 1 has all of
+    const std::int32_t torqueAt = at - (at >= surfaceCount ? shift : 0);
+    const Four torque1 = loadFour(torques[torqueAt].vector.data()),
+               torque2 = loadFour(forces[at].torque.data());
     storeFour(loadFour(first.force.data()) + force, first.force.data());
     storeFour(loadFour(first.torque.data()) + torque1, first.torque.data());
     storeFour(loadFour(second.force.data()) - withFourth(force, Four{}), second.force.data());

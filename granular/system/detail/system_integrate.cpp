@@ -75,7 +75,7 @@ double GranularSystem::Impl::shearRate(const detail::EvaluationSummary& seen) {
   if (!isOld) return lastShearRate;
   shearRateAge = 0;
   shearRateContacts = seen.contacts;
-  return lastShearRate = evaluation.shearRate();
+  return lastShearRate = evaluation.shearRate(y);
 }
 
 /// Longest trial that what was seen allows, s.
@@ -112,9 +112,11 @@ bool GranularSystem::Impl::isResultFinite() {
   evaluation.executor().forRanges(numbers, kPerPiece, [&](std::int64_t begin, std::int64_t end) {
     // 0 times what is not finite is a NaN. Several sums, which need not wait for one another.
     std::array<double, 8> sums{};
-    for (std::int64_t i = begin; i < end; i += 8) {
-      for (std::int64_t k = 0; k < 8; ++k) sums[k] += 0.0 * result[std::min(i + k, end - 1)];
+    std::int64_t i = begin;
+    for (; i + 8 <= end; i += 8) {
+      for (std::int64_t k = 0; k < 8; ++k) sums[k] += 0.0 * result[i + k];
     }
+    for (; i < end; ++i) sums[0] += 0.0 * result[i];
     errorOfPiece[begin / kPerPiece].largest = std::accumulate(sums.begin(), sums.end(), 0.0);
   });
   return std::all_of(errorOfPiece.begin(), errorOfPiece.end(),
@@ -171,6 +173,7 @@ double GranularSystem::Impl::scaledError() {
 
 /// The rate of the present state, which is also the first of the next trial.
 void GranularSystem::Impl::evaluateNow(double t) {
+  evaluation.keepContacts(sleep.enabled);  // also those of the trials that follow
   if (startIsCurrent) return;
   stepper->start(equations, {.time = t, .sinceTrial = lastSubStep}, y);
   startIsEvaluated();
@@ -269,7 +272,6 @@ double GranularSystem::Impl::integrate(double dt, StepReport& report) {
     const Trial trial = planTrial(dt, dt - t, report);
     if (evaluation.isSortDue()) sortState();  // what planTrial looks at is lost
     const double end = dt - t <= trial.length ? dt : t + trial.length;
-    evaluation.keepContacts(sleep.enabled);
     evaluation.measureContacts(end == dt);  // after the step that is asked for
     equations.beginTrial(startSummary);
     if (startSummary.urgency > 0.0) {

@@ -95,7 +95,7 @@ bool GranularSystem::Impl::sleepOrWake(double now) {
 
 bool GranularSystem::Impl::wakeUnbalanced(double now, double passed) {
   if (sleepingGrains.size() == 0 && evaluation.layout().sleeperCount() == 0) return false;
-  evaluation.listContacts();
+  evaluation.listContacts(y);
   const Vector3 netBefore = sleepers.netForce();
   const std::vector<detail::OwnerKey>& lost =
       sleepers.findUnbalanced(evaluation, sleep.wakeImbalance, now, sleep.restTime);
@@ -148,7 +148,7 @@ std::vector<char> GranularSystem::Impl::findQuiet() {
 }
 
 bool GranularSystem::Impl::fallAsleep() {
-  evaluation.listContacts();
+  evaluation.listContacts(y);
   std::vector<char> quiet = findQuiet();
   if (std::none_of(quiet.begin(), quiet.end(), [](char q) { return q != 0; })) return false;
   keepAwakeNearMoving(quiet);

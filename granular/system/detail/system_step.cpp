@@ -122,7 +122,7 @@ StepReport GranularSystem::Impl::step(double dt, const WorkBudget& allowed) {
 /// Sums over owners and contacts, piece by piece, so that they are the same for any number of threads.
 GranularSystem::Impl::Totals GranularSystem::Impl::sumUp() {
   const detail::Layout& layout = evaluation.layout();
-  const std::span<const detail::ContactTotals> contacts = evaluation.contactTotals();
+  const std::span<const detail::ContactTotals> contacts = evaluation.contactTotals(y);
   const std::int32_t ownerPieces = Executor::pieceCount(layout.dynamicCount(), kMeasuredPerPiece);
   const std::int32_t contactPieces = Executor::pieceCount(layout.dynamicParticles, kMeasuredPerPiece);
   totalsOfPiece.assign(ownerPieces + contactPieces, {});
