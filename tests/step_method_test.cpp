@@ -208,6 +208,16 @@ TEST(KickDrift, LeapfrogBearsTheDampingThatItExpectsWhileItTakesErrorsOff) {
   }
 }
 
+// Three times the damping that it expects makes accelerations swing; it sees that and takes no more errors off,
+// which alone bears so much.
+TEST(KickDrift, LeapfrogSeesThatMoreIsDampedThanItExpected) {
+  Oscillator oscillator(0.9, 0.05);  // steps of 1 s
+  const auto leapfrog = makeStepMethod(Stepper::Leapfrog);
+  leapfrog->expectDamping(0.3);
+  const std::vector<double> y = run(*leapfrog, oscillator, 4000.0, 4000);
+  EXPECT_LT(std::hypot(y[0], y[1]), 1.0);
+}
+
 // At critical damping leapfrog bears w0 h = 0.47 without being told, as Verlet 0.83 with.
 TEST(KickDrift, LeapfrogBearsDampingThatItExpects) {
   constexpr double kStep = 0.7, kCritical = 2.0;

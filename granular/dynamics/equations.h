@@ -74,6 +74,9 @@ class Equations {
   /// quaternions, and exact turns of what nothing turned.
   virtual void finish(const std::vector<double>& y, double h, std::vector<double>& to) = 0;
 
+  /// Whether the state holds memories of contacts.
+  virtual bool hasMemory() const { return false; }
+
   /// Threads that a stepper's own sums may run on.
   virtual const Executor& executor() const = 0;
 

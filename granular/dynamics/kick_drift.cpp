@@ -17,7 +17,7 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);
-  const Plan plan = this->plan(h, goal);
+  const Plan plan = this->plan(h, goal == Goal::Accuracy && !equations.hasMemory());
   if (const double p = plan.weightOfBefore; p != 0.0) {
     equations.kick(y,
                    std::array<RateTerm, 2>{
@@ -44,13 +44,14 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   error_ = errors_;
 }
 
-KickDrift::Plan KickDrift::plan(double h, Goal goal) const {
+KickDrift::Plan KickDrift::plan(double h, bool mayTakeErrorOff) const {
   constexpr double kMost = 0.25;           // of the acceleration before; more would bear less again
   constexpr double kCorrectedLimit = 1.1;  // as above, of trials whose error is taken off
   constexpr double kMargin = 1.1;          // dense packings may be damped more than expected
   if (!(lengthBefore_ > 0.0)) return {};
-  const double damping = dampingRate_ * h;
-  if (table_.errorOrder > 0 && goal == Goal::Accuracy && kMargin * damping < kCorrectedLimit) {
+  const bool isCareful = carefulTrials_ > 0;
+  const double damping = dampingRate_ * h * (isCareful ? 2.0 : 1.0);
+  if (table_.errorOrder > 0 && mayTakeErrorOff && !isCareful && kMargin * damping < kCorrectedLimit) {
     const double extrapolation = std::min(0.5, (kCorrectedLimit / (kMargin * damping) - 1.0) / 2.2);
     return {.weightOfBefore = -extrapolation * h / lengthBefore_, .takesErrorOff = true};
   }
@@ -80,16 +81,40 @@ void KickDrift::estimateError(const Executor& executor, double h) {
   const double scale = known ? h * h / (6.0 * (h + lengthBefore_)) : h / 12.0;
   const double ratio = known ? h / lengthBefore_ : 0.0;
   const double* before = known ? rateBefore_.data() : firstRate_.data();
-  executor.forRanges(
-      static_cast<std::int64_t>(errors_.size()), kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t i = begin; i < end; ++i) {
-          errors_[i] = scale * (lastRate_[i] - firstRate_[i] - ratio * (firstRate_[i] - before[i]));
-        }
-      });
+  const auto numbers = static_cast<std::int64_t>(errors_.size());
+  swingsOfPiece_.assign(Executor::pieceCount(numbers, kNumbersPerPiece), {});
+  executor.forRanges(numbers, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    Swings& swings = swingsOfPiece_[begin / kNumbersPerPiece];
+    for (std::int64_t i = begin; i < end; ++i) {
+      const double now = lastRate_[i] - firstRate_[i], then = ratio * (firstRate_[i] - before[i]);
+      errors_[i] = scale * (now - then);
+      swings.back -= now * then;
+      swings.forth += then * then;
+    }
+  });
+}
+
+/// Whether accelerations swing back and forth, from step to step by almost as much: the sign of a damping
+/// that the steps do not bear.
+bool KickDrift::swings() {
+  // What moves smoothly goes on as it did: -0.9 or so in a flow. A bed at rest that trembles: 0.5 and more,
+  // one in which little else moves.
+  constexpr double kShare = -0.2;
+  // Where the change of a rate itself changes its sign it does so once, and is small: some trials together
+  // tell.
+  constexpr double kStaysKnown = 0.75;
+  swings_.back *= kStaysKnown, swings_.forth *= kStaysKnown;
+  for (const Swings& piece : swingsOfPiece_) {
+    swings_.back += piece.back;
+    swings_.forth += piece.forth;
+  }
+  return swings_.back > kShare * swings_.forth;
 }
 
 bool KickDrift::accept(double h) {
   if (table_.errorOrder > 0) {
+    constexpr int kCareful = 64;
+    carefulTrials_ = swings() ? kCareful : std::max(0, carefulTrials_ - 1);
     rateBefore_.swap(firstRate_);
     lengthBefore_ = h;
   }

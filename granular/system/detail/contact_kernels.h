@@ -140,6 +140,19 @@ using PlaceKernel = PlacedExtremes (*)(const PlaceArrays& arrays, std::int32_t b
 using AccelerationKernel = void (*)(const OwnerRow* owners, const PatchWrench* wrench, const Vector3& gravity,
                                     std::int32_t begin, std::int32_t end, double* rates);
 
+/// What errors of momenta mean for single spheres in places [begin, end): how far the fastest point of their
+/// surface goes wrong in so many seconds, m. inverseInertia, particles: by place; ways: from `begin` on.
+using ErrorKernel = void (*)(const double* errors, const double* inverseInertia, const ParticleRow* particles,
+                             double seconds, std::int32_t begin, std::int32_t end, double* ways);
+
+/// Positions move on by so many seconds of three rates of velocities each; by place.
+struct CarryArrays {
+  std::array<double, 3> weights;
+  std::array<const double*, 3> rates;
+  double* poses;
+};
+using CarryKernel = void (*)(const CarryArrays& arrays, std::int32_t begin, std::int32_t end);
+
 /// Fills ContactArrays::lawRows of the candidates in a run.
 using LawKernel = void (*)(const ContactArrays& arrays, const ContactRun& run);
 
@@ -156,10 +169,12 @@ struct ContactKernels {
   const char* processor;  ///< what it is for
   FindNear findNear;
   DriftKernel drift;
+  CarryKernel carry;
   PlaceKernel placeSpheres;
   FindKernel findContacts;
   AddKernel addWrenches;
   AccelerationKernel accelerateGrains;
+  ErrorKernel errorsOfSpheres;
   const ForceKernels *forces, *mixedForces;  ///< ContactPrecision::Double, Mixed
 };
 

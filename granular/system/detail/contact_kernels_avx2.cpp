@@ -15,10 +15,12 @@ extern const ContactKernels kAvx2Kernels;
 const ContactKernels kAvx2Kernels = {.processor = "avx2",
                                      .findNear = findNearInPacks,
                                      .drift = driftOwners,
+                                     .carry = carryPositions,
                                      .placeSpheres = placeSpheres,
                                      .findContacts = findContacts,
                                      .addWrenches = addWrenches,
                                      .accelerateGrains = accelerateGrains,
+                                     .errorsOfSpheres = errorsOfSpheres,
                                      .forces = &kForces,
                                      .mixedForces = &kAvx2MixedForces};
 

@@ -15,10 +15,12 @@ extern const ContactKernels kAvx512Kernels;
 const ContactKernels kAvx512Kernels = {.processor = "avx512",
                                        .findNear = findNearInPacks,
                                        .drift = driftOwners,
+                                       .carry = carryPositions,
                                        .placeSpheres = placeSpheres,
                                        .findContacts = findContacts,
                                        .addWrenches = addWrenches,
                                        .accelerateGrains = accelerateGrains,
+                                       .errorsOfSpheres = errorsOfSpheres,
                                        .forces = &kForces,
                                        .mixedForces = &kAvx512MixedForces};
 

@@ -14,10 +14,12 @@ extern const ContactKernels kBaselineKernels;
 const ContactKernels kBaselineKernels = {.processor = "baseline",
                                          .findNear = granular::findNear,
                                          .drift = driftOwners,
+                                         .carry = carryPositions,
                                          .placeSpheres = placeSpheres,
                                          .findContacts = findContacts,
                                          .addWrenches = addWrenches,
                                          .accelerateGrains = accelerateGrains,
+                                         .errorsOfSpheres = errorsOfSpheres,
                                          .forces = &kForces,
                                          .mixedForces = &kBaselineMixedForces};
 

@@ -112,5 +112,16 @@ GRANULAR_KERNEL std::int32_t driftOwners(const DriftArrays& arrays, std::int32_t
   return leftCount;
 }
 
+GRANULAR_KERNEL void carryPositions(const CarryArrays& arrays, std::int32_t begin, std::int32_t end) {
+  const auto weightOf = [&](int k) { return Four{} + arrays.weights[k]; };
+  const Four w0 = weightOf(0), w1 = weightOf(1), w2 = weightOf(2);
+  for (std::int64_t place = begin; place < end; ++place) {
+    const auto rateOf = [&](int k) { return loadFour(arrays.rates[k] + place * state::kMomentaSize); };
+    double* pose = arrays.poses + place * state::kPoseSize;
+    const Four before = loadFour(pose);  // the fourth is of the orientation
+    storeFour(withFourth(before + (w0 * rateOf(0) + w1 * rateOf(1) + w2 * rateOf(2)), before), pose);
+  }
+}
+
 }  // namespace
 }  // namespace granular::detail

@@ -141,6 +141,8 @@ class Evaluation {
     return {ball.x, ball.y, ball.z};
   }
   const Matrix3& rotation(std::int32_t body) const { return rotationOf(body); }
+  /// Rows of particles by place, where all that moves are single spheres.
+  const ParticleRow* spheres() const { return particles_.data(); }
   /// Farthest particle surface from the centre of the owner in this place, m.
   double reachAt(std::int32_t place) const { return ballAt(place).radius; }
   std::span<const ParticleRow> particlesOf(const Owner& owner) const {

@@ -108,17 +108,21 @@ void GrainEquations::carry(std::span<const RateTerm> terms, std::vector<double>&
   const StageTimer timer(evaluation_.stageSeconds[static_cast<int>(Stage::AdvanceState)]);
   const Layout& layout = evaluation_.layout();
   const std::size_t lacking = lackingOf(*terms[0].rate, to);
+  CarryArrays arrays{.weights = {}, .rates = {}, .poses = to.data()};
+  for (int k = 0; k < 3; ++k) {
+    arrays.weights[k] = terms[k].weight;
+    arrays.rates[k] = terms[k].rate->data() + (layout.firstMomentum() - lacking);
+  }
   executor().forRanges(layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
+    evaluation_.kernels().carry(arrays, static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+    if (layout.movesOnlySpheres) return;
     for (std::int64_t place = begin; place < end; ++place) {
-      const auto rateOf = [&](int term) { return layout.ratesAt(place, terms[term].rate->data(), lacking); };
-      const auto sumOf = [&](auto&& what) -> Vector3 {
-        return terms[0].weight * what(rateOf(0)) + terms[1].weight * what(rateOf(1)) +
-               terms[2].weight * what(rateOf(2));
-      };
+      if (layout.isSphere[place]) continue;  // its orientation places nothing
+      Vector3 kick = Vector3::Zero();
+      for (const RateTerm& term : terms) {
+        kick += term.weight * layout.ratesAt(place, term.rate->data(), lacking).angularMomentum();
+      }
       const auto out = layout.numbersAt(place, to.data());
-      out.position() += sumOf([](const auto& rate) { return rate.velocity(); });
-      if (!turnsSpheres_ && layout.isSphere[place]) continue;
-      const Vector3 kick = sumOf([](const auto& rate) { return rate.angularMomentum(); });
       const Quaternion orientation = out.orientation();
       const Vector3 angle = angularVelocityOf(layout.owners[layout.ownerOfPlace[place]], orientation, kick);
       out.setOrientation((turnBy(angle) * orientation).normalized());

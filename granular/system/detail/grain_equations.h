@@ -19,6 +19,7 @@ class GrainEquations final : public Equations {
   void carry(std::span<const RateTerm> terms, std::vector<double>& to) override;
   void finish(const std::vector<double>& y, double h, std::vector<double>& to) override;
   const Executor& executor() const override { return evaluation_.executor(); }
+  bool hasMemory() const override { return evaluation_.hasSprings(); }
   std::size_t poseCount() const override { return evaluation_.layout().firstMomentum(); }
   std::size_t errorCount(const std::vector<double>&) const override {
     return evaluation_.layout().dynamicCount() * state::kSize;

@@ -76,5 +76,26 @@ GRANULAR_KERNEL void accelerateGrains(const OwnerRow* owners, const PatchWrench*
   }
 }
 
+GRANULAR_KERNEL void errorsOfSpheres(const double* errors, const double* inverseInertia,
+                                     const ParticleRow* particles, double seconds, std::int32_t begin,
+                                     std::int32_t end, double* ways) {
+  for (std::int32_t place = begin; place < end; place += Pack::kSize) {
+    // Lanes to spare do the last one again.
+    const auto at = [&](int lane) { return std::min(place + lane, end - 1); };
+    const auto errorsOf = [&](int from) {
+      return packsOf<Pack>(
+          [&](int lane) { return loadFour(errors + std::int64_t{at(lane)} * state::kMomentaSize + from); });
+    };
+    // Rows of four, of which a velocity takes the first three and an angular momentum the last three.
+    const FourPacks<Pack> linear = errorsOf(0), angular = errorsOf(2);
+    const Vector3Of<Pack> v{linear.first, linear.second, linear.third};
+    const Vector3Of<Pack> L{angular.second, angular.third, angular.fourth};
+    const Pack reach = Pack([&](int lane) { return particles[at(lane)].radius; });
+    const Pack spin = Pack([&](int lane) { return inverseInertia[at(lane)]; }) * sqrt(L.squaredNorm());
+    const Pack way = seconds * (sqrt(v.squaredNorm()) + spin * reach);
+    for (int lane = 0; lane < Pack::kSize; ++lane) ways[at(lane) - begin] = way[lane];
+  }
+}
+
 }  // namespace
 }  // namespace granular::detail

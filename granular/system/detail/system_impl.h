@@ -182,6 +182,7 @@ class GranularSystem::Impl {
   Trial planTrial(double dt, double remaining, const StepReport& report);
   bool isResultFinite();
   double scaledError();
+  double wayOfError(const detail::OwnerNumbers<const double>& error, std::int32_t place) const;
   bool isTooLong(const Trial& trial);
   bool judge(const Trial& trial, double scaledError);
   void acceptTrial(const Trial& trial, bool isLast, StepReport& report);

@@ -123,6 +123,20 @@ bool GranularSystem::Impl::isResultFinite() {
                      [](const ErrorOfPiece& piece) { return piece.largest == 0.0; });
 }
 
+/// How far wrong the fastest-moving surface point of an owner is, m. Of poses there may be no error.
+double GranularSystem::Impl::wayOfError(const detail::OwnerNumbers<const double>& error,
+                                        std::int32_t place) const {
+  const detail::Layout& layout = evaluation.layout();
+  const double isotropic = layout.isotropicInverseInertia[place];
+  const double inverseInertia =
+      isotropic > 0.0 ? isotropic : layout.owners[layout.ownerOfPlace[place]].inverseInertia.maxCoeff();
+  const double reach = evaluation.reachAt(place);
+  double way = contactTimeAtReference *
+               (error.velocity().norm() + error.angularMomentum().norm() * inverseInertia * reach);
+  if (error.pose != nullptr) raise(way, error.position().norm() + 2.0 * error.orientation().norm() * reach);
+  return way;
+}
+
 /// Error of the trial over what is allowed, in tolerance times the smallest radius: way of the fastest-moving
 /// surface point of an owner; of grains the root mean square, but no single one off by more than kWorstGrain
 /// times as much; of bodies the largest. 0 from a stepper that has no estimate. NaN if anything is not
@@ -136,17 +150,19 @@ double GranularSystem::Impl::scaledError() {
   wayOfOwner.resize(layout.dynamicCount());
   evaluation.executor().forRanges(
       layout.dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t place = begin; place < end; ++place) {
-          const std::int32_t o = layout.ownerOfPlace[place];
-          const auto error = layout.ratesAt(place, numbers.data(), lacking);
-          const double reach = evaluation.reachAt(static_cast<std::int32_t>(place));
-          const double isotropic = layout.isotropicInverseInertia[place];
-          const double inverseInertia =
-              isotropic > 0.0 ? isotropic : layout.owners[o].inverseInertia.maxCoeff();
-          const double spin = error.angularMomentum().norm() * inverseInertia;
-          double way = contactTimeAtReference * (error.velocity().norm() + spin * reach);
-          if (lacking == 0) raise(way, error.position().norm() + 2.0 * error.orientation().norm() * reach);
-          wayOfOwner[o] = way;
+        const auto first = static_cast<std::int32_t>(begin), last = static_cast<std::int32_t>(end);
+        std::array<double, kOwnersPerPiece> ways;
+        if (lacking > 0 && layout.movesOnlySpheres) {
+          evaluation.kernels().errorsOfSpheres(numbers.data(), layout.isotropicInverseInertia.data(),
+                                               evaluation.spheres(), contactTimeAtReference, first, last,
+                                               ways.data());
+        } else {
+          for (std::int32_t place = first; place < last; ++place) {
+            ways[place - first] = wayOfError(layout.ratesAt(place, numbers.data(), lacking), place);
+          }
+        }
+        for (std::int32_t place = first; place < last; ++place) {
+          wayOfOwner[layout.ownerOfPlace[place]] = ways[place - first];
         }
       });
   // Summed in the order of owners, which no sorting changes.
