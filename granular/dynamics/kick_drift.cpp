@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace granular {
 namespace {
@@ -84,13 +85,20 @@ void KickDrift::estimateError(const Executor& executor, double h) {
   const auto numbers = static_cast<std::int64_t>(errors_.size());
   swingsOfPiece_.assign(Executor::pieceCount(numbers, kNumbersPerPiece), {});
   executor.forRanges(numbers, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    Swings& swings = swingsOfPiece_[begin / kNumbersPerPiece];
-    for (std::int64_t i = begin; i < end; ++i) {
+    std::array<double, 8> back{}, forth{};  // several sums, which need not wait for one another
+    const auto look = [&](std::int64_t i, std::size_t k) {
       const double now = lastRate_[i] - firstRate_[i], then = ratio * (firstRate_[i] - before[i]);
       errors_[i] = scale * (now - then);
-      swings.back -= now * then;
-      swings.forth += then * then;
+      back[k] -= now * then;
+      forth[k] += then * then;
+    };
+    std::int64_t i = begin;
+    for (; i + 8 <= end; i += 8) {
+      for (std::size_t k = 0; k < 8; ++k) look(i + static_cast<std::int64_t>(k), k);
     }
+    for (; i < end; ++i) look(i, 0);
+    swingsOfPiece_[begin / kNumbersPerPiece] = {.forth = std::accumulate(forth.begin(), forth.end(), 0.0),
+                                                .back = std::accumulate(back.begin(), back.end(), 0.0)};
   });
 }
 
