@@ -51,7 +51,7 @@ class StepMethod {
   virtual bool needsPoseRates() const { return true; }
   /// Whether they read those of memories.
   virtual bool needsMemoryRates() const { return true; }
-  /// Whether the next trial is planned with less than this knows later on: nothing of what was before.
+  /// Whether it estimates errors by what was before the trial and knows nothing of that yet.
   virtual bool isFresh() const { return false; }
   /// Rates that it keeps from one trial to the next: for whoever puts the state into another order.
   virtual std::vector<std::vector<double>*> kept() { return {&firstRate_}; }

@@ -62,8 +62,6 @@ struct MeetingRules {
   bool mayMeet(std::int32_t a, std::int32_t b) const;
 };
 
-/// What the list is built from. Slots [0, dynamicCount) belong to dynamic owners; rank is a particle's place
-/// in the stable order of owners and local indices, which no re-sorting changes.
 /// Tags of those in a run that are nearer than both reach, and have a higher tag than this one, go to hits;
 /// returns the end of them. There must be room for kHitsBeyond more than there are.
 using FindNear = std::uint64_t* (*)(const SpatialHash& hash, const SpatialHash::Run& run,
@@ -73,6 +71,8 @@ inline constexpr int kHitsBeyond = 8;
 std::uint64_t* findNear(const SpatialHash& hash, const SpatialHash::Run& run, const Vector3& center,
                         double reach, std::uint64_t tag, std::uint64_t* hits);
 
+/// What the list is built from. Slots [0, dynamicCount) belong to dynamic owners; rank is a particle's place
+/// in the stable order of owners and local indices, which no re-sorting changes.
 struct SearchInput {
   std::span<const ParticleRow> particles;  ///< [slot]
   std::span<const SurfaceRow> surfaces = {};
