@@ -51,6 +51,9 @@ struct ContactResultOf {
   Vector3Of<Real> force;  ///< on particle 1, N
   Real dissipation;       ///< power turned into heat, W
   Real normalForce;       ///< its magnitude, N, > 0 pushes apart
+  /// How much of the force goes with the relative velocity, in any direction, N s/m; laws without memory
+  /// only.
+  Real damping = 0.0;
 };
 using ContactResult = ContactResultOf<double>;
 
@@ -68,9 +71,14 @@ ContactResultOf<Real> resultWithoutMemory(const NormalConstantsOf<Real>& normal,
   const Real xiDot = g.V.dot(g.N);                     // eq. 4
   const Vector3Of<Real> Vt = g.V - xiDot * g.N;        // eq. 5
   const Real fn = Normal::force(normal, g.xi, xiDot);  // eqs. 6-7; by area: a pressure
-  const Vector3Of<Real> Ft = Shear::force(shear, Real(max(Real(0.0), fn)), Vt);
+  const Real friction = max(Real(0.0), fn);
+  const Vector3Of<Real> Ft = Shear::force(shear, friction, Vt);
   const Real heat = (fn - Normal::elasticForce(normal, g.xi)) * xiDot - Ft.dot(Vt);
-  return {.force = g.share * (Ft - fn * g.N), .dissipation = g.share * heat, .normalForce = g.share * fn};
+  const Real damping = Normal::damping(normal, g.xi) + Shear::viscosity(shear, friction, Vt);
+  return {.force = g.share * (Ft - fn * g.N),
+          .dissipation = g.share * heat,
+          .normalForce = g.share * fn,
+          .damping = g.share * damping};
 }
 
 /// Energy of a spring that remembers, J.

@@ -27,6 +27,11 @@ struct ElasticFoundation {
   static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
     return max(c.smallestForce, c.kr * xi * (1.0 + c.kd * xiDot));
   }
+  /// Growth of the pressure with the overlap rate, N s/m^3.
+  template <class Real>
+  static Real damping(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kr * c.kd * xi;
+  }
   template <class Real>
   static Real elasticForce(const NormalConstantsOf<Real>& c, Real xi) {
     return c.kr * xi;

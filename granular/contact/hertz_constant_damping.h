@@ -13,6 +13,11 @@ struct HertzConstantDamping : Hertz<0> {
   static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
     return max(c.smallestForce, c.kr * xi * sqrt(xi) + c.kd * xiDot);
   }
+  /// Growth of the force with the overlap rate, N s/m.
+  template <class Real>
+  static Real damping(const NormalConstantsOf<Real>& c, Real) {
+    return c.kd;
+  }
 };
 
 }  // namespace granular

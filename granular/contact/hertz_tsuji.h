@@ -14,6 +14,11 @@ struct HertzTsuji : Hertz<1> {
     const Real root = sqrt(xi);
     return max(c.smallestForce, c.kr * xi * root + c.kd * sqrt(root) * xiDot);
   }
+  /// Growth of the force with the overlap rate, N s/m.
+  template <class Real>
+  static Real damping(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kd * sqrt(Real(sqrt(xi)));
+  }
 };
 
 }  // namespace granular

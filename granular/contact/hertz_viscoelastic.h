@@ -14,6 +14,11 @@ struct HertzViscoelastic : Hertz<2> {
   static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
     return max(c.smallestForce, sqrt(xi) * (c.kr * xi + c.kd * xiDot));
   }
+  /// Growth of the force with the overlap rate, N s/m.
+  template <class Real>
+  static Real damping(const NormalConstantsOf<Real>& c, Real xi) {
+    return c.kd * sqrt(xi);
+  }
 };
 
 }  // namespace granular

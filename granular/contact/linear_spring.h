@@ -26,6 +26,11 @@ struct LinearSpring {
   static Real force(const NormalConstantsOf<Real>& c, Real xi, Real xiDot) {
     return max(c.smallestForce, c.kr * xi + c.kd * xiDot);
   }
+  /// Growth of the force with the overlap rate, N s/m.
+  template <class Real>
+  static Real damping(const NormalConstantsOf<Real>& c, Real) {
+    return c.kd;
+  }
   template <class Real>
   static Real elasticForce(const NormalConstantsOf<Real>& c, Real xi) {
     return c.kr * xi;

@@ -14,6 +14,11 @@ struct ViscousShear {
   static Vector3Of<Real> force(const ShearConstantsOf<Real>& c, Real, const Vector3Of<Real>& Vt) {
     return Real(-c.viscosity) * Vt;
   }
+  /// Of the force over |Vt|, N s/m.
+  template <class Real>
+  static Real viscosity(const ShearConstantsOf<Real>& c, const Real&, const Vector3Of<Real>&) {
+    return c.viscosity;
+  }
 };
 
 }  // namespace granular

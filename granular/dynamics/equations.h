@@ -46,6 +46,14 @@ struct RateTerm {
   const std::vector<double>* rate;
 };
 
+/// What a prediction of momenta, h after the state, follows from: rates at the last two states, h / ratio
+/// apart, and the momenta predicted there, which they were evaluated at; all without poses.
+struct Prediction {
+  double h, ratio;
+  const std::vector<double>*rate, *rateBefore;
+  const std::vector<double>*momenta, *momentaBefore;
+};
+
 class Equations {
  public:
   virtual ~Equations() = default;
@@ -65,6 +73,12 @@ class Equations {
   /// Momenta and what adds up of `to` = those of y + the sum of two or three terms; poses of `to` stay.
   virtual void kick(const std::vector<double>& y, std::span<const RateTerm> terms,
                     std::vector<double>& to) = 0;
+
+  /// Momenta of `to` h after y: v + h/2 (a + n - c v'), with v' the result, c how fast the momentum is damped
+  /// as the last evaluation found it, and n = a + c v, of the momenta predicted before, carried on from the
+  /// last two states. So of c as much is implicit as is known; what c does not tell is extrapolated.
+  virtual void predict(const Prediction& prediction, const std::vector<double>& y,
+                       std::vector<double>& to) = 0;
 
   /// Poses of `to` move on by a little: as momenta would carry them in a second that are the sum of three
   /// terms.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 namespace granular {
 namespace {
@@ -18,20 +17,37 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   equations.drift(
       {.time = h, .poseKick = table_.poseKick * h, .kick = table_.kick * h, .memory = table_.memory * h}, y,
       firstRate_, result_);
-  const Plan plan = this->plan(h, goal == Goal::Accuracy && !equations.hasMemory());
-  if (const double p = plan.weightOfBefore; p != 0.0) {
+  keepsMomenta_ = table_.errorOrder > 0 && goal == Goal::Accuracy && !equations.hasMemory();
+  const auto momentaOf = [&](const std::vector<double>& state, std::vector<double>& momenta) {
+    momenta.assign(state.begin() + static_cast<std::ptrdiff_t>(equations.poseCount()), state.end());
+  };
+  if (keepsMomenta_ && isFresh()) {  // the first rate is that of y itself
+    momentaOf(y, momenta_);
+    predictions_ = 1;
+  }
+  const bool takesErrorOff = keepsMomenta_ && predictions_ == 2 && lengthBefore_ > 0.0;
+  if (takesErrorOff) {
+    equations.predict({.h = h,
+                       .ratio = h / lengthBefore_,
+                       .rate = &firstRate_,
+                       .rateBefore = &rateBefore_,
+                       .momenta = &momenta_,
+                       .momentaBefore = &momentaBefore_},
+                      y, result_);
+  } else if (const double p = weightOfBefore(h); p != 0.0) {
     equations.kick(y,
                    std::array<RateTerm, 2>{
                        {{(1.0 - p) * table_.kick * h, &firstRate_}, {p * table_.kick * h, &rateBefore_}}},
                    result_);
   }
+  if (keepsMomenta_) momentaOf(result_, lastMomenta_);
   equations.evaluate({.time = t + h,
                       .sinceTrial = h,
                       .memoryStep = table_.memoryStep * h,
                       .poseRates = needsPoseRates(),
                       .memoryRates = needsMemoryRates()},
                      result_, lastRate_);
-  if (plan.takesErrorOff) {
+  if (takesErrorOff) {
     takeErrorOff(equations, y, h);
   } else {
     equations.kick(
@@ -45,19 +61,12 @@ void KickDrift::trial(Equations& equations, const std::vector<double>& y, double
   error_ = errors_;
 }
 
-KickDrift::Plan KickDrift::plan(double h, bool mayTakeErrorOff) const {
-  constexpr double kMost = 0.25;           // of the acceleration before; more would bear less again
-  constexpr double kCorrectedLimit = 1.1;  // as above, of trials whose error is taken off
-  constexpr double kMargin = 1.1;          // dense packings may be damped more than expected
-  if (!(lengthBefore_ > 0.0)) return {};
-  const bool isCareful = carefulTrials_ > 0;
-  const double damping = dampingRate_ * h * (isCareful ? 2.0 : 1.0);
-  if (table_.errorOrder > 0 && mayTakeErrorOff && !isCareful && kMargin * damping < kCorrectedLimit) {
-    const double extrapolation = std::min(0.5, (kCorrectedLimit / (kMargin * damping) - 1.0) / 2.2);
-    return {.weightOfBefore = -extrapolation * h / lengthBefore_, .takesErrorOff = true};
-  }
-  if (!(damping > table_.dampingLimit)) return {};
-  return {.weightOfBefore = std::min(kMost, 0.5 * (1.0 - table_.dampingLimit / damping))};
+/// Of the acceleration before in leapfrog's own prediction: as much as damping asks for.
+double KickDrift::weightOfBefore(double h) const {
+  constexpr double kMost = 0.25;  // more would bear less again
+  const double damping = dampingRate_ * h;
+  if (!(lengthBefore_ > 0.0) || !(damping > table_.dampingLimit)) return 0.0;
+  return std::min(kMost, 0.5 * (1.0 - table_.dampingLimit / damping));
 }
 
 /// The step by the parabola through the accelerations before, at the start and at the end.
@@ -83,48 +92,20 @@ void KickDrift::estimateError(const Executor& executor, double h) {
   const double ratio = known ? h / lengthBefore_ : 0.0;
   const double* before = known ? rateBefore_.data() : firstRate_.data();
   const auto numbers = static_cast<std::int64_t>(errors_.size());
-  swingsOfPiece_.assign(Executor::pieceCount(numbers, kNumbersPerPiece), {});
   executor.forRanges(numbers, kNumbersPerPiece, [&](std::int64_t begin, std::int64_t end) {
-    std::array<double, 8> back{}, forth{};  // several sums, which need not wait for one another
-    const auto look = [&](std::int64_t i, std::size_t k) {
-      const double now = lastRate_[i] - firstRate_[i], then = ratio * (firstRate_[i] - before[i]);
-      errors_[i] = scale * (now - then);
-      back[k] -= now * then;
-      forth[k] += then * then;
-    };
-    std::int64_t i = begin;
-    for (; i + 8 <= end; i += 8) {
-      for (std::size_t k = 0; k < 8; ++k) look(i + static_cast<std::int64_t>(k), k);
+    for (std::int64_t i = begin; i < end; ++i) {
+      errors_[i] = scale * ((lastRate_[i] - firstRate_[i]) - ratio * (firstRate_[i] - before[i]));
     }
-    for (; i < end; ++i) look(i, 0);
-    swingsOfPiece_[begin / kNumbersPerPiece] = {.forth = std::accumulate(forth.begin(), forth.end(), 0.0),
-                                                .back = std::accumulate(back.begin(), back.end(), 0.0)};
   });
-}
-
-/// Whether accelerations swing back and forth, from step to step by almost as much: the sign of a damping
-/// that the steps do not bear.
-bool KickDrift::swings() {
-  // What moves smoothly goes on as it did: -0.9 or so in a flow. A bed at rest that trembles: 0.5 and more,
-  // one in which little else moves.
-  constexpr double kShare = -0.2;
-  // Where the change of a rate itself changes its sign it does so once, and is small: some trials together
-  // tell.
-  constexpr double kStaysKnown = 0.75;
-  swings_.back *= kStaysKnown, swings_.forth *= kStaysKnown;
-  for (const Swings& piece : swingsOfPiece_) {
-    swings_.back += piece.back;
-    swings_.forth += piece.forth;
-  }
-  return swings_.back > kShare * swings_.forth;
 }
 
 bool KickDrift::accept(double h) {
   if (table_.errorOrder > 0) {
-    constexpr int kCareful = 64;
-    carefulTrials_ = swings() ? kCareful : std::max(0, carefulTrials_ - 1);
     rateBefore_.swap(firstRate_);
     lengthBefore_ = h;
+    momentaBefore_.swap(momenta_);
+    momenta_.swap(lastMomenta_);
+    predictions_ = keepsMomenta_ ? std::min(2, predictions_ + 1) : 0;
   }
   firstRate_.swap(lastRate_);
   return true;

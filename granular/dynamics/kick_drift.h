@@ -12,20 +12,21 @@
 //
 // Taking the error off. Through the accelerations of the last three states goes a parabola; velocities and
 // positions get what it says beyond the trapezoidal rule and beyond the drift (Adams and Moulton's rule, and
-// the same integrated twice). The velocity predicted is extrapolated for that, v + h a + e (h a - h
-// a_before), e = 1/2 for the third order. On an undamped spring amplitudes then shrink by w (w h)^3 / 16 a
-// second; without the part of positions they would grow. Such trials bear damping of rates up to about 1.1 /
-// (1 + 2.2 e) / h (from the roots of the scheme, within 5 % for 0 < e < 1/2): e is what the damping to be
-// expected leaves, and where it leaves none the step is leapfrog's as it stands. So it is for a while where
-// accelerations are seen to swing from step to step, as they do when more is damped than was expected (beds
-// at rest whose steps the contact time bounds), and always where contacts remember: how memories move, below,
-// fits that step, and with the other a stiff bed under law 19 trembles. Tests: KickDrift.*, Stress.* "bed at
-// rest"; measured: granular_bench work-precision.
+// the same integrated twice). On an undamped spring amplitudes then shrink by w (w h)^3 / 16 a second;
+// without the part of positions they would grow. The velocity predicted is of that order too: half of the
+// rate at the end is in it, with damping as far as it is known for each owner implicit and the rest carried
+// on from the last two states (Equations::predict). By the roots of the scheme that bears products of damping
+// and step up to 4, if no mode is damped by more than is taken for it; where it is damped by less the
+// prediction is off by up to h^2 of the change of acceleration, at most twice as much as v + h a. Where
+// contacts remember, the step is leapfrog's as it stands: how memories move, below, fits that one, and with
+// the other a stiff bed under law 19 trembles. Tests: KickDrift.*, Stress.* "bed at rest"; measured:
+// granular_bench work-precision.
 //
-// Leapfrog's prediction v + h a bears damping of rates up to 1/h; Verlet's v + h a / 2 up to 2/h. What lies
-// between is won by predicting with a mean of the last two accelerations, v + h ((1 - p) a + p a_before):
-// also of second order, it bears 1/((1 - 2 p) h), at p = 1/4 as much as Verlet at every damping of a spring.
-// Its error is up to 1.7 times as large, so p is no larger than the damping to be expected asks for.
+// Leapfrog's own prediction v + h a bears damping of rates up to 1/h; Verlet's v + h a / 2 up to 2/h. What
+// lies between is won by predicting with a mean of the last two accelerations, v + h ((1 - p) a + p
+// a_before): also of second order, it bears 1/((1 - 2 p) h), at p = 1/4 as much as Verlet at every damping of
+// a spring. Its error is up to 1.7 times as large, so p is no larger than the damping to be expected asks
+// for.
 #pragma once
 
 #include "granular/dynamics/step_method.h"
@@ -88,36 +89,28 @@ class KickDrift final : public StepMethod {
   bool needsPoseRates() const override { return false; }
   bool needsMemoryRates() const override { return table_.memory != 0.0; }
   bool isFresh() const override { return table_.errorOrder > 0 && !(lengthBefore_ > 0.0); }
-  std::vector<std::vector<double>*> kept() override { return {&firstRate_, &rateBefore_}; }
+  std::vector<std::vector<double>*> kept() override {
+    return {&firstRate_, &rateBefore_, &momenta_, &momentaBefore_};
+  }
 
  private:
   void forget() override {
     lengthBefore_ = 0.0;
-    swings_ = {};
-    carefulTrials_ = 0;
+    predictions_ = 0;
   }
-  /// How a trial of length h goes about what is known of before.
-  struct Plan {
-    double weightOfBefore = 0.0;  ///< of the acceleration before in the prediction
-    bool takesErrorOff = false;
-  };
-  Plan plan(double h, bool mayTakeErrorOff) const;
+  double weightOfBefore(double h) const;
   void estimateError(const Executor& executor, double h);
-  bool swings();
   void takeErrorOff(Equations& equations, const std::vector<double>& y, double h);
 
   const KickDriftTable& table_;
-  /// Of changes of rates from step to step: their squares, and by how much the next ones go the other way.
-  struct Swings {
-    double forth = 0.0, back = 0.0;
-  };
-  std::vector<Swings> swingsOfPiece_;
-  Swings swings_;          // of the last trials
-  int carefulTrials_ = 0;  // that are leapfrog's as it stands, as accelerations swung
   std::vector<double> errors_;
   std::vector<double> lastRate_,
       rateBefore_;             // at the end of the trial; at the start of the one accepted before
   double lengthBefore_ = 0.0;  // of that one, s; 0: none
+  /// Momenta that rates were evaluated at: at the end of the trial, at its start, and at the state before.
+  std::vector<double> lastMomenta_, momenta_, momentaBefore_;
+  int predictions_ = 0;        // of the last two that are there
+  bool keepsMomenta_ = false;  // of the present trial
   double dampingRate_ = 0.0;   // to be expected, 1/s
 };
 

@@ -136,9 +136,10 @@ struct PlacedExtremes {
 using PlaceKernel = PlacedExtremes (*)(const PlaceArrays& arrays, std::int32_t begin, std::int32_t end);
 
 /// Rates of the momenta of grains in places [begin, end), patches of the same numbers, from what contacts do
-/// to them, one after the other from `wrench` on, and gravity, m/s^2.
+/// to them, one after the other from `wrench` on, and gravity, m/s^2; and how fast their velocities are
+/// damped, 1/s, by place.
 using AccelerationKernel = void (*)(const OwnerRow* owners, const PatchWrench* wrench, const Vector3& gravity,
-                                    std::int32_t begin, std::int32_t end, double* rates);
+                                    std::int32_t begin, std::int32_t end, double* rates, double* damping);
 
 /// What errors of momenta mean for single spheres in places [begin, end): how far the fastest point of their
 /// surface goes wrong in so many seconds, m. inverseInertia, particles: by place; ways: from `begin` on.

@@ -180,7 +180,7 @@ void forcesOfPack(const ContactArrays& arrays, const ContactRun& run, double sma
              [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].force.data()); });
   forRows<P>({torque2.x(), torque2.y(), torque2.z(), g.xi},
              [&](int lane, const Four& row) { storeFour(row, run.forces[first + lane].torque.data()); });
-  forRows<P>({torque1.x(), torque1.y(), torque1.z(), P(0.0)},
+  forRows<P>({torque1.x(), torque1.y(), torque1.z(), ifTouching(result.damping)},
              [&](int lane, const Four& row) { storeFour(row, run.torques[first + lane].vector.data()); });
 
   const P xiDot = g.V.dot(g.N);

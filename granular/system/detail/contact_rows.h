@@ -52,7 +52,7 @@ struct alignas(64) SurfaceMeeting {
 /// Three numbers of a contact that are written as four.
 struct alignas(32) VectorRow {
   Vector3 vector = Vector3::Zero();
-  double padding = 0.0;
+  double damping = 0.0;  ///< beside torques: ContactResultOf::damping
 };
 
 /// Wrench about the owner's centre and heat, of a patch or an owner.
@@ -60,7 +60,7 @@ struct alignas(64) PatchWrench {
   Vector3 force = Vector3::Zero();   ///< N, world
   double dissipation = 0.0;          ///< W, of contacts in the rows of its own particles
   Vector3 torque = Vector3::Zero();  ///< N m, world
-  double padding = 0.0;
+  double damping = 0.0;              ///< N s/m, summed up over all contacts
 };
 static_assert(sizeof(PatchWrench) == 64, "two registers of four numbers");
 

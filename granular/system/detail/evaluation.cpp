@@ -67,6 +67,7 @@ void Evaluation::layRows() {
   balls_.assign(layout_.owners.size() - layout_.firstBall(), ParticleRow{});
   particles_.assign(layout_.particleCount, ParticleRow{});
   heatOfOwner_.assign(layout_.owners.size(), 0.0);
+  dampingRates_.assign(layout_.dynamicCount(), 0.0);
   for (std::int32_t o = 0; o < static_cast<std::int32_t>(layout_.owners.size()); ++o) {
     const Owner& owner = layout_.owners[o];
     OwnerRow& row = rowOf(o);
@@ -244,6 +245,15 @@ void Evaluation::accelerate(std::int32_t place, const PatchWrench& contact, cons
   out.angularMomentum() = owner.body->angularFactor.cwiseProduct(contact.torque) + load.torque;
 }
 
+/// By how much more than of a solid sphere contacts can damp the turning of the owner in this place, which
+/// reaches farther for its moments of inertia.
+double Evaluation::leverage(std::int32_t place) const {
+  if (layout_.isSphere[place]) return 1.0;
+  const Owner& owner = layout_.owners[layout_.ownerOfPlace[place]];
+  const double reach = reachAt(place), ofTurning = reach * reach * owner.inverseInertia.maxCoeff();
+  return owner.inverseMass > 0.0 ? std::max(1.0, 0.4 * ofTurning / owner.inverseMass) : 1.0;
+}
+
 /// What contacts did to a moving body, and work: by its load, or by the body itself where the host moves it.
 void Evaluation::tally(std::int32_t body, const PatchWrench& contact, double* to) const {
   const std::int32_t o = layout_.dynamicGrains + body;
@@ -269,7 +279,9 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
       heatOfOwner_[layout_.ownerOfPlace[place]] = wrench[place - begin].dissipation;
     }
     kernels_->accelerateGrains(owners_.data(), wrench, surroundings_.gravity, begin, end,
-                               rate.data() + (layout_.firstMomentum() - lacking));
+                               rate.data() + (layout_.firstMomentum() - lacking), dampingRates_.data());
+    if (layout_.movesOnlySpheres) return;
+    for (std::int32_t place = begin; place < end; ++place) dampingRates_[place] *= leverage(place);
     return;
   }
   for (std::int32_t place = begin; place < end; ++place) {
@@ -279,12 +291,15 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
       contact.force += wrench->force;
       contact.torque += wrench->torque;
       contact.dissipation += wrench->dissipation;
+      contact.damping += wrench->damping;
     }
     heatOfOwner_[o] = contact.dissipation;
     if (const std::int32_t body = o - layout_.dynamicGrains; body >= 0) {
       tally(body, contact, rate.data() + (tallyAt(body) - lacking));
     }
-    if (o < layout_.dynamicCount()) accelerate(place, contact, y, poseRates, rate);
+    if (o >= layout_.dynamicCount()) continue;
+    dampingRates_[place] = owners_[place].inverseMass * contact.damping * leverage(place);
+    accelerate(place, contact, y, poseRates, rate);
   }
 }
 

@@ -135,6 +135,10 @@ class Evaluation {
   /// all of a face, are left out.
   double shearRate(const std::vector<double>& y);
 
+  /// [place of a dynamic owner] how fast contacts without memory damp its motion against what it touches,
+  /// 1/s, at the last evaluation. As if in every direction at once: an estimate from above, by and large.
+  std::span<const double> dampingRates() const { return dampingRates_; }
+
   // Where things were at the last evaluation: also those that do not move.
   Vector3 center(std::int32_t owner) const {
     const ParticleRow& ball = ballAt(layout_.placeOfOwner[owner]);
@@ -215,6 +219,7 @@ class Evaluation {
   double placeMoving(std::int32_t place, double t, const std::vector<double>& y);
   void accelerate(std::int32_t place, const PatchWrench& contact, const std::vector<double>& y,
                   bool poseRates, std::vector<double>& rate) const;
+  double leverage(std::int32_t place) const;
   void tally(std::int32_t body, const PatchWrench& contact, double* to) const;
   void adaptMargin();
   void rebuildCandidates();
@@ -345,7 +350,8 @@ class Evaluation {
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there
   std::vector<double> dampingOfOwner_;  // 1/s: as shearRate()
-  std::vector<double> heatOfOwner_;     // W, of the contacts in the rows of an owner's particles
+  std::vector<double> dampingRates_;
+  std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;
 };
 

@@ -120,6 +120,7 @@ std::vector<std::int32_t> Evaluation::sortPlaces(const std::vector<double>& y) {
     for (std::int32_t place = 0; place < dynamic; ++place) rows[place] = before[from[place]];
   };
   reorder(owners_);
+  reorder(dampingRates_);
   if (!layout_.movesOnlySpheres) reorder(balls_);
   const std::vector before(particles_.begin(), particles_.begin() + layout_.dynamicParticles);
   for (std::int32_t place = 0; place < dynamic; ++place) {

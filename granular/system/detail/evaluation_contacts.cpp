@@ -256,7 +256,7 @@ void Evaluation::forceOf(std::int32_t n, const ContactArrays& arrays, const Cont
     return (g.point - center(layout_.ownerOfSlot[slot])).cross(result.force);
   };
   force = {result.force, result.dissipation, torqueAbout(contact.slot2), g.xi};
-  torque.vector = torqueAbout(contact.slot1);
+  torque = {torqueAbout(contact.slot1), result.damping};
   extremes.contacts += run.isOwn(contact);
   extremes.pushing += run.isOwn(contact) && result.normalForce != 0.0;
   extremes.urgency = std::max(extremes.urgency, Normal::urgency(law.normal, g.xi, xiDot));

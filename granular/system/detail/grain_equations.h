@@ -16,6 +16,7 @@ class GrainEquations final : public Equations {
   void drift(const Drift& drift, const std::vector<double>& y, const std::vector<double>& rate,
              std::vector<double>& to) override;
   void kick(const std::vector<double>& y, std::span<const RateTerm> terms, std::vector<double>& to) override;
+  void predict(const Prediction& prediction, const std::vector<double>& y, std::vector<double>& to) override;
   void carry(std::span<const RateTerm> terms, std::vector<double>& to) override;
   void finish(const std::vector<double>& y, double h, std::vector<double>& to) override;
   const Executor& executor() const override { return evaluation_.executor(); }

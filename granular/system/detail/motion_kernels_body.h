@@ -65,12 +65,13 @@ GRANULAR_KERNEL PlacedExtremes placeSpheres(const PlaceArrays& arrays, std::int3
 
 GRANULAR_KERNEL void accelerateGrains(const OwnerRow* owners, const PatchWrench* wrench,
                                       const Vector3& gravity, std::int32_t begin, std::int32_t end,
-                                      double* rates) {
+                                      double* rates, double* damping) {
   const Four pull = {gravity.x(), gravity.y(), gravity.z(), 0.0};
   for (std::int32_t place = begin; place < end; ++place, ++wrench) {
     double* rate = rates + std::int64_t{place} * state::kMomentaSize;
     const Four torque = loadFour(wrench->torque.data());
     const Four acceleration = owners[place].inverseMass * loadFour(wrench->force.data()) + pull;
+    damping[place] = owners[place].inverseMass * wrench->damping;
     storeFour(acceleration, rate);
     storeFour(__builtin_shufflevector(acceleration, torque, 2, 4, 5, 6), rate + 2);
   }

@@ -173,7 +173,7 @@ void addWrenchesOf(const ContactArrays& arrays, const ContactChunk& chunk, std::
     storeFour(loadFour(first.force.data()) + force, first.force.data());
     storeFour(loadFour(first.torque.data()) + torque1, first.torque.data());
     storeFour(loadFour(second.force.data()) - withFourth(force, Four{}), second.force.data());
-    storeFour(loadFour(second.torque.data()) - torque2, second.torque.data());
+    storeFour(loadFour(second.torque.data()) - withFourth(torque2, -torque1), second.torque.data());
   }
 }
 GRANULAR_KERNEL void addWrenches(const ContactArrays& arrays, const ContactChunk& chunk,
