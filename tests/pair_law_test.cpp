@@ -133,6 +133,8 @@ TYPED_TEST(NormalLawTest, EnergyIsTheIntegralOfTheElasticForce) {
       (TypeParam::elasticEnergy(c, xi + d) - TypeParam::elasticEnergy(c, xi - d)) / (2.0 * d);
   EXPECT_NEAR(slope, TypeParam::elasticForce(c, xi), 1e-6 * slope);
   EXPECT_DOUBLE_EQ(TypeParam::elasticForce(c, xi), TypeParam::force(c, xi, 0.0));
+  EXPECT_NEAR(TypeParam::force(c, xi, 0.5) - TypeParam::elasticForce(c, xi), 0.5 * TypeParam::damping(c, xi),
+              1e-9 * TypeParam::force(c, xi, 0.5));
 }
 
 TYPED_TEST(NormalLawTest, TangentStiffnessIsTheSlopeOfTheElasticForce) {

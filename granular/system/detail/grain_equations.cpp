@@ -112,20 +112,21 @@ void GrainEquations::predict(const Prediction& prediction, const std::vector<dou
   // with the step beyond 4 that is so of those that are damped by little (from the roots of the scheme).
   constexpr double kOfKnown = 1.1, kLargest = 4.0;
   const double h = prediction.h, ratio = prediction.ratio;
-  const double *a = prediction.rate->data(), *aBefore = prediction.rateBefore->data();
-  const double *p = prediction.momenta->data(), *pBefore = prediction.momentaBefore->data();
-  const double *v = y.data() + first, *damping = evaluation_.dampingRates().data();
-  double* out = to.data() + first;
+  using Momenta = Eigen::Matrix<double, state::kMomentaSize, 1>;
+  const double* damping = evaluation_.dampingRates().data();
   executor().forRanges(
       evaluation_.layout().dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t place = begin; place < end; ++place) {
+          const auto of = [&](const double* numbers) {
+            return Eigen::Map<const Momenta>(numbers + place * state::kMomentaSize);
+          };
+          const auto a = of(prediction.rate->data()), aBefore = of(prediction.rateBefore->data());
+          const auto p = of(prediction.momenta->data()), pBefore = of(prediction.momentaBefore->data());
+          const auto v = of(y.data() + first);
           const double x = 0.5 * std::min(kLargest, kOfKnown * h * damping[place]);
           const double share = 1.0 / (1.0 + x);
-          for (std::int64_t i = place * state::kMomentaSize; i < (place + 1) * state::kMomentaSize; ++i) {
-            const double ofRates = h * a[i] + 0.5 * h * ratio * (a[i] - aBefore[i]);
-            const double ofDamping = p[i] - v[i] + ratio * (p[i] - pBefore[i]);
-            out[i] = v[i] + share * (ofRates + x * ofDamping);
-          }
+          Eigen::Map<Momenta>(to.data() + first + place * state::kMomentaSize) =
+              v + share * (h * a + 0.5 * h * ratio * (a - aBefore) + x * (p - v + ratio * (p - pBefore)));
         }
       });
 }
