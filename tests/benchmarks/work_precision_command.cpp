@@ -138,7 +138,7 @@ double evaluationsAt(const std::vector<Point>& points, double error) {
   double found = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {  // errors fall from point to point, by and large
     const Point &a = points[i], &b = points[i + 1];
-    if (!(a.position >= error && b.position < error)) continue;
+    if (!std::isfinite(a.position) || !(a.position >= error && b.position < error)) continue;
     const double part = std::log(a.position / error) / std::log(a.position / b.position);
     found = a.evaluations * std::pow(b.evaluations / a.evaluations, part);  // the last crossing counts
   }

@@ -221,8 +221,6 @@ class Evaluation {
                   bool poseRates, std::vector<double>& rate) const;
   double leverage(std::int32_t place) const;
   void tally(std::int32_t body, const PatchWrench& contact, double* to) const;
-  double listWaste() const;
-  bool isListTooWide() const;
   void adaptMargin();
   void rebuildCandidates();
   ContactArrays contactArrays();
@@ -315,7 +313,7 @@ class Evaluation {
   std::int64_t rebuildsSinceSort_ = 0;
   std::int64_t evaluationsAtRebuild_ = 0;
   bool listIsOld_ = false;
-  double margin_ = 0.4;  // mean of margins_, in smallest radii; it adapts
+  double margin_ = 0.15;  // mean of margins_, in smallest radii; it adapts
 
   std::vector<PairLaw> pairLaws_;  // of any two kinds; none where there are many: made where one is asked for
   std::vector<double> lawRows_;    // by candidate of blocks_, as ContactArrays::lawRows

@@ -18,10 +18,8 @@ constexpr std::int64_t kRebuildsPerSort = 200;
 
 // Of the mean margin, what everything has at least.
 constexpr double kShareAtRest = 0.25;
-// Mean margin in smallest radii, and the factors by which it may change from list to list.
-constexpr double kNarrowestMargin = 0.05, kWidestMargin = 0.6, kLeastFactor = 0.5, kLargestFactor = 1.3;
-// A list is too wide that has cost so many times what making it did, in candidates that are apart.
-constexpr double kTooWide = 4.0;
+// Mean margin in smallest radii, and the factor by which it changes from list to list.
+constexpr double kNarrowestMargin = 0.05, kWidestMargin = 0.6, kMarginStep = 1.1;
 // Largest margin of a fast thing, in smallest radii: about it the list grows with the third power.
 constexpr double kLargestMargin = 4.0;
 // What a list costs, measured in the test of one candidate: placing and finding a particle, and each distance
@@ -51,33 +49,27 @@ double Evaluation::surfaceMove(std::int32_t s) const {
 
 void Evaluation::updateCandidates() {
   const StageTimer timer(stageSeconds[static_cast<int>(Stage::UpdateCandidates)]);
-  if (listIsCurrent_ && !listIsOld_ && !isListTooWide()) return;
-  if (listIsCurrent_) adaptMargin();  // else something else than motion made it old
-  evaluationsAtRebuild_ = evaluations;
+  if (listIsCurrent_ && !listIsOld_) return;
+  adaptMargin();
   rebuildCandidates();
-}
-
-/// What the candidates of the list that are apart have cost so far, over what making the list does. Counts
-/// decide, not clocks: margins change the speed only, and that the same way in every run.
-double Evaluation::listWaste() const {
-  const double listCost =
-      kParticleCost * (1.0 + layout_.dynamicParticles) + kTestCost * static_cast<double>(list_.testCount());
-  // Contacts may be those of a layout before.
-  const auto apart = static_cast<double>(std::max<std::int64_t>(0, list_.size() - summary_.contacts));
-  return apart * static_cast<double>(evaluations - evaluationsAtRebuild_) / listCost;
-}
-
-/// So that what came to rest is not carried along with the margin of a flow.
-bool Evaluation::isListTooWide() const {
-  return margin_ > kNarrowestMargin && listWaste() > kTooWide;
 }
 
 /// The cheapest mean margin m is where making lists costs as much as testing the candidates that are only
 /// there for it: a list lasts in proportion to m, those candidates are in proportion to m too, and of a / m +
-/// b m both parts are equal where the sum is least.
+/// b m both parts are equal where the sum is least. Counts decide, not clocks. It changes the speed only,
+/// never the result.
 void Evaluation::adaptMargin() {
-  const double factor = std::clamp(1.0 / std::sqrt(listWaste()), kLeastFactor, kLargestFactor);
-  margin_ = std::clamp(margin_ * factor, kNarrowestMargin, kWidestMargin);
+  const auto lasted = static_cast<double>(evaluations - evaluationsAtRebuild_);
+  evaluationsAtRebuild_ = evaluations;
+  if (!listIsCurrent_) return;  // something else than motion made it old
+  const double listCost =
+      kParticleCost * layout_.dynamicParticles + kTestCost * static_cast<double>(list_.testCount());
+  const auto apart = static_cast<double>(list_.size() - summary_.contacts);
+  if (listCost > apart * lasted) {
+    margin_ = std::min(kWidestMargin, margin_ * kMarginStep);
+  } else {
+    margin_ = std::max(kNarrowestMargin, margin_ / kMarginStep);
+  }
 }
 
 /// A part of the mean margin for everyone, as anything may be hit; the others by speed, so that few fast
