@@ -280,8 +280,6 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
     }
     kernels_->accelerateGrains(owners_.data(), wrench, surroundings_.gravity, begin, end,
                                rate.data() + (layout_.firstMomentum() - lacking), dampingRates_.data());
-    if (layout_.movesOnlySpheres) return;
-    for (std::int32_t place = begin; place < end; ++place) dampingRates_[place] *= leverage(place);
     return;
   }
   for (std::int32_t place = begin; place < end; ++place) {
@@ -298,7 +296,7 @@ void Evaluation::computeAccelerations(std::int32_t begin, std::int32_t end, cons
       tally(body, contact, rate.data() + (tallyAt(body) - lacking));
     }
     if (o >= layout_.dynamicCount()) continue;
-    dampingRates_[place] = owners_[place].inverseMass * contact.damping * leverage(place);
+    dampingRates_[place] = owners_[place].inverseMass * contact.damping;
     accelerate(place, contact, y, poseRates, rate);
   }
 }

@@ -135,9 +135,10 @@ class Evaluation {
   /// all of a face, are left out.
   double shearRate(const std::vector<double>& y);
 
-  /// [place of a dynamic owner] how fast contacts without memory damp its motion against what it touches,
-  /// 1/s, at the last evaluation. As if in every direction at once: an estimate from above, by and large.
-  std::span<const double> dampingRates() const { return dampingRates_; }
+  /// How fast contacts without memory damp the motion of the dynamic owner in this place against what it
+  /// touches, 1/s, at the last evaluation. As if in every direction at once: an estimate from above, by and
+  /// large.
+  double dampingRate(std::int32_t place) const { return dampingRates_[place] * leverage(place); }
 
   // Where things were at the last evaluation: also those that do not move.
   Vector3 center(std::int32_t owner) const {
@@ -350,8 +351,8 @@ class Evaluation {
   std::vector<double> pieceMaximum_, pieceMaximum2_;
   bool isDampingGiven_ = false;         // of sliding, by the user, between any two materials that are there
   std::vector<double> dampingOfOwner_;  // 1/s: as shearRate()
-  std::vector<double> dampingRates_;
-  std::vector<double> heatOfOwner_;  // W, of the contacts in the rows of an owner's particles
+  std::vector<double> dampingRates_;    // [place of a dynamic owner] 1/s: as dampingRate(), of a sphere
+  std::vector<double> heatOfOwner_;     // W, of the contacts in the rows of an owner's particles
   EvaluationSummary summary_;
 };
 

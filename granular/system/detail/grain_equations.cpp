@@ -113,7 +113,6 @@ void GrainEquations::predict(const Prediction& prediction, const std::vector<dou
   constexpr double kOfKnown = 1.1, kLargest = 4.0;
   const double h = prediction.h, ratio = prediction.ratio;
   using Momenta = Eigen::Matrix<double, state::kMomentaSize, 1>;
-  const double* damping = evaluation_.dampingRates().data();
   executor().forRanges(
       evaluation_.layout().dynamicCount(), kOwnersPerPiece, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t place = begin; place < end; ++place) {
@@ -123,7 +122,8 @@ void GrainEquations::predict(const Prediction& prediction, const std::vector<dou
           const auto a = of(prediction.rate->data()), aBefore = of(prediction.rateBefore->data());
           const auto p = of(prediction.momenta->data()), pBefore = of(prediction.momentaBefore->data());
           const auto v = of(y.data() + first);
-          const double x = 0.5 * std::min(kLargest, kOfKnown * h * damping[place]);
+          const double damping = evaluation_.dampingRate(static_cast<std::int32_t>(place));
+          const double x = 0.5 * std::min(kLargest, kOfKnown * h * damping);
           const double share = 1.0 / (1.0 + x);
           Eigen::Map<Momenta>(to.data() + first + place * state::kMomentaSize) =
               v + share * (h * a + 0.5 * h * ratio * (a - aBefore) + x * (p - v + ratio * (p - pBefore)));
